@@ -1,8 +1,10 @@
 """Cases for the tests of training: random draws in place of a corpus."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from roadmend.world.families import sample_scenario
+from roadmend.world.scenario import NetworkFile
 
 
 @dataclass(frozen=True)
@@ -20,3 +22,13 @@ class Drawn:
 
     def scenario(self):
         return sample_scenario(self.family, self.seed)
+
+
+@dataclass(frozen=True)
+class OnMap(Drawn):
+    """The same on a map of one's own, which nobody can drive: a file that says what it is given."""
+
+    path: Path = Path()
+
+    def scenario(self):
+        return super().scenario().model_copy(update={"network": NetworkFile(path=str(self.path))})

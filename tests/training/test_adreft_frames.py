@@ -16,7 +16,7 @@ from roadmend.training.adreft.gathering import Recipe, gather_frames
 from roadmend.training.adreft.labels import make_scheme
 from roadmend.training.closed_loop import evaluate_cases
 
-from .cases import Drawn
+from .cases import Drawn, OnMap
 
 CASES = [Drawn("S5", 3), Drawn("S4", 1)]
 RECIPE = Recipe("modular", "paper", 5)
@@ -61,6 +61,14 @@ def test_recipes_that_differ_have_different_files():
     cases = [*CASES, Drawn("S5", 3, digest="d")]
     keys = {key for recipe in (RECIPE, *others) for key in recipe.keys(cases)}
     assert len(keys) == 12
+
+
+def test_a_map_that_has_changed_makes_another_file(tmp_path):
+    path, keys = tmp_path / "own.net.xml", set()
+    for content in ("<net/>", "<net></net>"):
+        path.write_text(content)
+        keys |= {*RECIPE.keys([OnMap("S5", 3, path=path)])}
+    assert len(keys) == 2
 
 
 def test_a_case_that_is_driven_otherwise_is_refused(tmp_path):

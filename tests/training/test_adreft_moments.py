@@ -1,16 +1,21 @@
 """Moments: drawn where they matter, told by paired futures, the same at every call, and not looked at twice."""
 
+import math
+
 import numpy as np
 import pytest
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
+from roadmend.core.plain_moment import plain_moment
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.core.source_digest import source_digest
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.actions import ACTIONS
+from roadmend.repair.registry import make_repairer
 from roadmend.training.adreft.case_moments import CaseMoments
 from roadmend.training.adreft.configuration import ModelSection
+from roadmend.training.adreft.deferred import DeferredRepairer
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.holding import HoldingRepairer
 from roadmend.training.adreft.moment_plan import MomentPlan
@@ -93,6 +98,20 @@ def test_a_holding_repairer_brakes_while_it_should_and_never_pushes():
     assert final(1.6, 0.5) == 0.5
     assert final(2.0, 0.9) == pytest.approx(0.4)
     assert final(2.0, 0.1) == pytest.approx(0.1)
+
+
+def test_what_is_no_command_is_made_one_as_where_the_policy_drives_alone():
+    ego = EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.5, 1.8)
+    scene = Scene(0.0, ego, ObjectList.empty(), np.zeros(0, dtype=np.uint8))
+    for asked in (Command(math.nan, 0.0), Command(0.7, 0.4), Command(-0.3, 0.0), Command(3.0, 0.0)):
+        decision = Decision(asked, Trajectory.empty())
+        alone = make_repairer("none")
+        alone.reset(plain_moment().route)
+        expected = alone.step(scene, decision).command
+        assert not expected.fault
+        holding = HoldingRepairer()
+        assert holding.step(scene, decision).command == expected
+        assert DeferredRepairer(holding, 1.0, None).step(scene, decision).command == expected
 
 
 @pytest.fixture(scope="module")

@@ -9,14 +9,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roadmend.core.errors import InputError
-from roadmend.networks.checkpoint import load_checkpoint
+from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.neural_tokens import COLUMNS
+from roadmend.training import dagger
+from roadmend.training.adreft.random_case import FIRST_SEED
 from roadmend.training.dagger import Training
 from roadmend.training.demonstrations import gather, ordinary_lesson
 from roadmend.training.imitation import NeuralNetwork, batches, fit, losses_of, measure, split, two_hot
-from roadmend.training.imitation_configuration import ImitationConfiguration, Round, read_imitation_configuration
+from roadmend.training.imitation_configuration import (
+    LAST_SEED,
+    ImitationConfiguration,
+    Round,
+    read_imitation_configuration,
+)
 from roadmend.training.samples import UNASKED, Samples, load_samples, samples_digest
 
 torch.set_num_threads(1)  # as Training does; more threads wait for each other on a busy machine
@@ -142,6 +149,33 @@ def test_an_interrupted_training_goes_on_to_the_same_model(tmp_path):
     assert NeuralPolicy(whole).model_digest == load_checkpoint(whole).digest
     with pytest.raises(InputError, match="other settings"):
         Training(TINY, 4, tmp_path / "whole", 1, "cpu", "test", lambda *_: None).run()
+
+
+def test_samples_of_other_scenarios_are_not_gone_on_with(tmp_path, monkeypatch):
+    def train():
+        return Training(TINY.model_copy(update={"rounds": TINY.rounds[:1]}), 3, tmp_path, 1, "cpu", "", lambda *_: None)
+
+    train().run()
+    (tmp_path / "round-0.safetensors").unlink()
+    other = dagger.ordinary_lesson
+    monkeypatch.setattr(dagger, "ordinary_lesson", lambda family, seed, *rest: other(family, seed + 1, *rest))
+    with pytest.raises(InputError, match="other settings"):  # as of a family whose code has changed
+        train().run()
+
+
+def test_a_model_tells_where_it_was_trained_and_one_that_does_not_is_gone_on_with(tmp_path):
+    few = TINY.model_copy(update={"rounds": TINY.rounds[:1]})
+    path = Training(few, 3, tmp_path, 1, "cpu", "", lambda *_: None).run()
+    checkpoint = load_checkpoint(path)
+    made = checkpoint.header["configuration"]["training"]
+    assert made.pop("device") == "cpu"
+    save_checkpoint(path, checkpoint.tensors, checkpoint.header)
+    assert Training(few, 3, tmp_path, 1, "cpu", "", lambda *_: None).run() == path
+
+
+def test_no_seed_reaches_the_scenarios_that_adreft_draws():
+    most = ImitationConfiguration(first_seed=900_000, rounds=(Round(episodes=900),) * 50)
+    assert most.seeds(49, LAST_SEED)[-1] < FIRST_SEED <= most.seeds(49, LAST_SEED + 1)[-1]
 
 
 def test_damaged_samples_are_refused(tmp_path):

@@ -13,7 +13,7 @@ from roadmend.training.tuning import EPISODES, FINALISTS, Tuning, part_of
 from roadmend.training.tuning_grid import Rival, rivals_of
 from tests.measures.results import episode
 
-from .cases import Drawn
+from .cases import Drawn, OnMap
 
 CASES = [Drawn(family, seed, seed % 2 == 0) for family in ("S1", "S2") for seed in range(12)]
 GRID = tuple({"probability": value / 10.0} for value in range(7))
@@ -39,6 +39,16 @@ def driven(monkeypatch):
 def tune(path, driven, cases=CASES, **identity):
     with Journal(path, EPISODES, {"corpus": "abc", **identity}) as journal:
         return Tuning(cases, "modular", journal, map).tune(Rival("r", "random", GRID))
+
+
+def test_on_a_map_that_has_changed_all_is_driven_anew(tmp_path, driven):
+    cases = [OnMap(case.family, case.seed, case.is_violation, path=tmp_path / "own.net.xml") for case in CASES]
+    numbers = []
+    for content in ("<net/>", "<net/>", "<net></net>"):
+        (tmp_path / "own.net.xml").write_text(content)
+        tune(tmp_path / "a.jsonl", driven, cases)
+        numbers.append(len(driven))
+    assert 0 < numbers[0] == numbers[1] == numbers[2] / 2
 
 
 def test_the_best_is_chosen_and_of_equals_the_gentlest(tmp_path, driven):

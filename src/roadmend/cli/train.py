@@ -32,7 +32,10 @@ from roadmend.core.fanout import fan_out
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import written_beside
 from roadmend.core.yaml_file import parse_yaml
+from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.neural_kinds import KINDS
+from roadmend.repair.adreft.configuration import read_configuration
+from roadmend.repair.adreft.model import KIND
 from roadmend.training.adreft.ablations import ABLATIONS, ablated
 from roadmend.training.adreft.adjusting import adjust as adjust_model
 from roadmend.training.adreft.configuration import read_training_configuration
@@ -41,7 +44,7 @@ from roadmend.training.adreft.pipeline import Only, Pipeline, Trained, open_work
 from roadmend.training.adreft.stage import RepairedPolicy, TrainingSubject
 from roadmend.training.dagger import Training
 from roadmend.training.device import choose_torch_device
-from roadmend.training.imitation_configuration import read_imitation_configuration
+from roadmend.training.imitation_configuration import LAST_SEED, read_imitation_configuration
 from roadmend.world.corpus import Corpus, corpus_of
 
 _SETTINGS = "policy-{kind}.yaml"
@@ -55,7 +58,7 @@ class PolicyOptions:
     kind: Annotated[
         str, click.option("--kind", default="neural", show_default=True, type=click.Choice([*KINDS]), help="Of policy.")
     ]
-    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 10_000))]
+    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, LAST_SEED))]
     file: Annotated[
         Path | None,
         settings_file("YAML file with the hyper-parameters; that of the kind in config/training if not given."),
@@ -144,7 +147,12 @@ class AdreftOptions:
     ]
     start: Annotated[
         Path | None,
-        click.option("--start", type=FILE, help="Model file to fine-tune, in place of the supervised stage."),
+        click.option(
+            "--start",
+            type=FILE,
+            help="Model file to fine-tune, in place of the supervised stage; its need and change monitors are left out, "
+            "and its rules of deciding and threshold are made anew.",
+        ),
     ]
     ablation: Annotated[
         str | None,
@@ -202,6 +210,8 @@ def adreft(given: AdreftOptions) -> None:
     if given.policy in given.also:
         raise InputError("--also", f"'{given.policy}' is the policy itself", "name another one")
     check_configuration(configuration, only)  # before a folder is made
+    if given.start is not None:
+        _tell_what_is_left_out(given.start)
     corpus = corpus_of(given.policy, given.corpus_file)
     work = given.work or given.out.with_name(f"{given.out.stem}.training")
     open_work(work, resume=given.resume, keep_supervised=only == "reinforcement")
@@ -220,6 +230,13 @@ def adreft(given: AdreftOptions) -> None:
         click.echo(json.dumps(told, indent=2))
     else:
         _say(given.out, trained, seconds)
+
+
+def _tell_what_is_left_out(start: Path) -> None:
+    risks = read_configuration(str(start), load_checkpoint(start, KIND).header).risks
+    if risks:
+        what = f"its {' and '.join(risks)} monitor{'s are' if len(risks) > 1 else ' is'} left out"
+        click.echo(f"{start}: {what}; './roadmend train need' and 'train changes' give others", err=True)
 
 
 @click.command(

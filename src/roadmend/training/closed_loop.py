@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any, Protocol
 
+from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper, fan_out
 from roadmend.measures.answering import Answering
 from roadmend.measures.case_result import CaseResult
@@ -37,6 +38,22 @@ class EpisodeCase(Protocol):
 
     def scenario(self) -> Scenario:
         """The scenario itself."""
+
+
+def check_driven(case: EpisodeCase, policy: str, digest: str) -> None:
+    """Refuse a case that a policy alone drives otherwise than its corpus says.
+
+    Args:
+        case: one without a digest may be driven in any way.
+        policy: its name.
+        digest: of the trajectory that it has driven.
+
+    Raises:
+        InputError: it is another one.
+    """
+    if case.digest and digest != case.digest:
+        mend = "verify the corpus, and build it again if the policy has changed since"
+        raise InputError(f"case {case.name}", f"'{policy}' does not drive it as the corpus says", mend)
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ from roadmend.training.demonstrations import gather, ordinary_lesson
 from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network, tensors_of
 from roadmend.training.imitation_configuration import ImitationConfiguration
 from roadmend.training.samples import Samples, load_samples, samples_digest, save_samples
+from roadmend.world.scenario_file import outside_content
 
 Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
 
@@ -62,10 +63,11 @@ class Training:
     def _identity(self, number: int) -> dict[str, Any]:
         """What a round follows from."""
         content = self.configuration.model_dump(mode="json")
-        return {**content, "rounds": content["rounds"][: number + 1], "seed": self.seed}
+        return {**content, "rounds": content["rounds"][: number + 1], "seed": self.seed, "device": self.device}
 
     def _check(self, checkpoint: Checkpoint, path: Path, number: int) -> None:
-        if checkpoint.header["configuration"].get("training") != self._identity(number):
+        made = checkpoint.header["configuration"].get("training", {})
+        if {"device": self.device, **made} != self._identity(number):  # earlier models do not tell the device
             raise InputError(str(path), "was made with other settings", "give another folder, or delete this one")
 
     def _gathered(self, number: int, model: Path | None) -> Samples:
@@ -76,7 +78,9 @@ class Training:
             for family in configuration.families
         ]
         before = load_checkpoint(model, configuration.kind).digest if model is not None else ""
-        made_by = entry_key([__name__], self._gathering(number), before)
+        # What a scenario holds counts too: the code of a family from outside is in no key.
+        driven = [(lesson.scenario.digest, outside_content(lesson.scenario)) for lesson in lessons]
+        made_by = entry_key([__name__], self._gathering(number), before, driven)
         path = self.folder / f"round-{number}.npz"
         if path.exists():
             return load_samples(path, made_by)
@@ -137,6 +141,6 @@ class Training:
                 "scenes": len(samples),
                 "last_outcomes": dict(sorted(outcomes.items())),
             },
-            "ancestry": [parent.digest] if parent is not None else [],
+            "ancestry": [parent.digest, *parent.header["ancestry"]] if parent is not None else [],
         }
         save_checkpoint(path, tensors_of(network), header)

@@ -11,9 +11,14 @@ from roadmend.core.settings import read_settings
 from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape, Width
 from roadmend.policies.neural_kinds import KINDS, AnyShape
 from roadmend.policies.neural_tokens import COLUMNS, OWN
+from roadmend.training.adreft.random_case import FIRST_SEED
 from roadmend.world.families import FAMILIES, FAMILY_REGISTRY
 
 SEEDS_A_ROUND = 1000  # apart
+_ROUNDS = 50  # at most
+_LAST_FIRST_SEED = 900_000
+# Of a training, so that its scenarios lie below those that ADReFT's are drawn from.
+LAST_SEED = (FIRST_SEED - _LAST_FIRST_SEED) // (_ROUNDS * SEEDS_A_ROUND) - 1
 
 
 class Round(Parameters):
@@ -29,7 +34,7 @@ class ImitationConfiguration(Parameters):
     """How a neural policy is trained."""
 
     kind: Literal["neural", "ego_mlp", "deep_sets"] = Field("neural", description="of policy")
-    first_seed: int = Field(200_000, ge=50_000, le=900_000, description="of the scenarios that are driven")
+    first_seed: int = Field(200_000, ge=50_000, le=_LAST_FIRST_SEED, description="of the scenarios that are driven")
     families: tuple[str, ...] = Field(tuple(FAMILIES), min_length=1, description="families of scenarios")
     every: int = Field(4, ge=1, le=100, description="ticks between two samples")
     noise: float = Field(0.5, ge=0.0, le=2.0, description="standard deviation of the expert's disturbances")
@@ -42,7 +47,7 @@ class ImitationConfiguration(Parameters):
     weight_decay: float = Field(1e-4, ge=0.0, le=1.0, description="of AdamW")
     change_weight: float = Field(1.0, ge=0.0, le=100.0, description="of the lane change's loss beside the action's")
     held_out: float = Field(0.05, gt=0.0, le=0.5, description="share of the episodes that losses are measured on")
-    rounds: tuple[Round, ...] = Field((Round(),), min_length=1, max_length=50, description="one after another")
+    rounds: tuple[Round, ...] = Field((Round(),), min_length=1, max_length=_ROUNDS, description="one after another")
 
     @model_validator(mode="after")
     def _has_a_shape(self) -> Self:
@@ -71,8 +76,8 @@ class ImitationConfiguration(Parameters):
         return HeadShape(inputs=self.encoder_shape.state, hidden=self.head, outputs=KINDS[self.kind].outputs)
 
     def seeds(self, number: int, seed: int) -> range:
-        """The scenarios' seeds of a round; those of another ``seed`` of the training do not overlap."""
-        begin = self.first_seed + (seed * 50 + number) * SEEDS_A_ROUND
+        """The scenarios' seeds of a round; those of another ``seed`` of the training, 0 .. LAST_SEED, do not overlap."""
+        begin = self.first_seed + (seed * _ROUNDS + number) * SEEDS_A_ROUND
         return range(begin, begin + self.rounds[number].episodes)
 
 

@@ -23,11 +23,11 @@ from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.repair.self_oracle import CLIP, KIND, Configuration, SelfOracleModel
 from roadmend.repair.state_vector import SIZE, VERSION, state_vector
-from roadmend.training.closed_loop import EpisodeCase
+from roadmend.training.closed_loop import EpisodeCase, check_driven
 from roadmend.training.device import one_thread
+from roadmend.training.tuning_grid import RATES
 from roadmend.world.runner import run_episode
 
-RATES = (0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)  # false alarm rates with thresholds
 _LEAST_SCALE = 0.05  # entries that hardly vary are not blown up
 _HELD_OUT = 5  # every so many-th case is kept for the gamma fit
 
@@ -79,9 +79,7 @@ def vectors_of_case(case: EpisodeCase, *, policy: str, stride: int) -> Vectors:
             vectors.append(state_vector(tick.scene, decision))
 
     summary = run_episode(case.scenario(), make_policy(policy), make_repairer("none"), watch)
-    if case.digest and summary.digest != case.digest:
-        mend = "verify the corpus, and build it again if the policy has changed since"
-        raise InputError(f"case {case.name}", f"'{policy}' does not drive it as the corpus says", mend)
+    check_driven(case, policy, summary.digest)
     return np.stack(vectors)
 
 

@@ -16,6 +16,7 @@ from roadmend.measures.case_result import CaseResult
 from roadmend.measures.driver import driver_key
 from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.tuning_grid import Rival, Values
+from roadmend.world.scenario_file import outside_content
 
 FORMAT = "roadmend-tuning/1"
 EPISODES = "roadmend-tuning-episodes/1"
@@ -108,7 +109,8 @@ class Tuning:
             if not any(case.is_violation == wanted for case in cases):
                 raise InputError("validation split", f"has no {word}", "give a corpus with both in it")
         self._cases, self._policy, self._journal = list(cases), policy, journal
-        self._scenarios = {case.name: case.scenario().digest for case in cases}
+        scenarios = {case.name: case.scenario() for case in cases}
+        self._scenarios = {name: (each.digest, outside_content(each)) for name, each in scenarios.items()}
         self._mapper, self._report = mapper, report
 
     def tune(self, rival: Rival) -> TunedRival:

@@ -7,7 +7,7 @@ from typing import Any
 
 Values = Mapping[str, Any]
 
-_RATES = (0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)
+RATES = (0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)  # false alarm rates
 _PREDICTIONS = (  # horizon [s], margin [m], turning, slowing
     *((horizon, margin, True, False) for horizon in (2.0, 3.0, 4.0) for margin in (0.3, 0.8)),
     *((3.0, margin, True, True) for margin in (0.3, 0.8)),
@@ -58,7 +58,7 @@ def rivals_of(model: str) -> tuple[Rival, ...]:
                 )
             ),
         ),
-        Rival("model", "model", tuple({"model": model, "false_alarm_rate": rate} for rate in _RATES)),
+        Rival("model", "model", tuple({"model": model, "false_alarm_rate": rate} for rate in RATES)),
         Rival(
             "rss",
             "rss",

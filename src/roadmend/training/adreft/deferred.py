@@ -6,6 +6,7 @@ from roadmend.core.repair import Repair, played
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.repair.actions import ACTIONS
+from roadmend.training.adreft.holding import valid_command
 
 _TICK = 1e-6  # [s] slack against rounding
 
@@ -33,4 +34,4 @@ class DeferredRepairer:
     def step(self, scene: Scene, decision: Decision) -> Repair:
         """Play one tick."""
         repair = self._within.step(scene, decision)  # at every tick: it remembers
-        return played(decision.command, self._wanted) if scene.time + _TICK < self._until else repair
+        return played(valid_command(decision), self._wanted) if scene.time + _TICK < self._until else repair

@@ -10,7 +10,6 @@ from typing import Protocol, Self, TypeVar
 import numpy as np
 
 from roadmend.core.command import Decision
-from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Key, entry_key, file_of
 from roadmend.core.repair import Repair
@@ -23,8 +22,10 @@ from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
 from roadmend.repair.registry import make_repairer
 from roadmend.training.adreft.case_frames import CaseFrames
-from roadmend.training.closed_loop import EpisodeCase
+from roadmend.training.closed_loop import EpisodeCase, check_driven
 from roadmend.world.runner import run_episode
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import outside_content
 
 
 class CaseFile(Protocol):
@@ -98,7 +99,11 @@ class Recipe:
         """Of the frames of cases."""
         version, driver = make_tokenizer(self.tokenizer).version, driver_key(self.policy)
         recipe = driver, self.tokenizer, version, self.stride
-        return [entry_key([__name__], *recipe, case.name, case.digest, case.scenario().digest) for case in cases]
+        return [entry_key([__name__], *recipe, case.name, case.digest, *_world_of(case.scenario())) for case in cases]
+
+
+def _world_of(scenario: Scenario) -> tuple[str, str | None]:
+    return scenario.digest, outside_content(scenario)
 
 
 class _Recorder:
@@ -143,9 +148,7 @@ def frames_of_case(case: EpisodeCase, recipe: Recipe) -> CaseFrames:
     """
     recorder = _Recorder(make_tokenizer(recipe.tokenizer), recipe.stride)
     summary = run_episode(case.scenario(), make_policy(recipe.policy), recorder, recorder.watch)
-    if case.digest and summary.digest != case.digest:
-        mend = "verify the corpus, and build it again if the policy has changed since"
-        raise InputError(f"case {case.name}", f"'{recipe.policy}' does not drive it as the corpus says", mend)
+    check_driven(case, recipe.policy, summary.digest)
     return CaseFrames(
         case.name,
         case.family,

@@ -20,7 +20,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.interfaces import Repairer
 from roadmend.core.journal import Key, entry_key, file_of
@@ -36,7 +35,7 @@ from roadmend.training.adreft.gathering import Recipe, gather_files
 from roadmend.training.adreft.holding import HoldingRepairer
 from roadmend.training.adreft.moment_plan import MomentPlan
 from roadmend.training.adreft.trial_plan import Hold
-from roadmend.training.closed_loop import EpisodeCase
+from roadmend.training.closed_loop import EpisodeCase, check_driven
 from roadmend.world.futures import Future, Moment, futures
 from roadmend.world.runner import run_episode
 from roadmend.world.simulation import Simulation
@@ -117,9 +116,7 @@ def moments_of_case(case: EpisodeCase, recipe: Recipe, plan: MomentPlan, guide: 
         SimulationError: SUMO failed.
     """
     own = run_episode(case.scenario(), make_policy(recipe.policy), make_repairer("none"))
-    if case.digest and own.digest != case.digest:
-        mend = "verify the corpus, and build it again if the policy has changed since"
-        raise InputError(f"case {case.name}", f"'{recipe.policy}' does not drive it as the corpus says", mend)
+    check_driven(case, recipe.policy, own.digest)
     violates = own.collided and own.final.at_fault
     repairers: dict[str, Repairer] = {}
     if guide is not None:

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from roadmend.core.array_file import ArrayRecord
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Key, entry_key, file_of
 from roadmend.core.outcome import EventKind
@@ -37,8 +36,9 @@ from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
 from roadmend.training.adreft.blinded_policy import BlindedPolicy, Blindness, draw_blindness
 from roadmend.training.adreft.gathering import Recipe, gather_files
+from roadmend.training.adreft.holding import valid_command
 from roadmend.training.adreft.trial_plan import Hold, TrialPlan
-from roadmend.training.closed_loop import EpisodeCase
+from roadmend.training.closed_loop import EpisodeCase, check_driven
 from roadmend.world.runner import run_episode
 
 PASS = -1  # in the place of an action: the policy's own
@@ -88,7 +88,7 @@ class _Trial:
     def step(self, scene: Scene, decision: Decision) -> Repair:
         """Play one tick."""
         tokens = self._tokenizer.tokens(scene, decision)  # at every tick: it may remember
-        command = decision.command
+        command = valid_command(decision)
         asked = command.action
         if self._tick % self._interval == 0:
             now = scene.time
@@ -141,9 +141,8 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
         return summary
 
     alone = drive(())
-    if model is None and case.digest and alone.digest != case.digest:
-        mend = "verify the corpus, and build it again if the policy has changed since"
-        raise InputError(f"case {case.name}", f"'{recipe.policy}' does not drive it as the corpus says", mend)
+    if model is None:
+        check_driven(case, recipe.policy, alone.digest)
     known = case.name, alone.outcome, alone.duration
     for holds in chain(plan.trials(*known), plan.gentle_trials(*known)):
         drive(holds)
