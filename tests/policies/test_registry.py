@@ -8,6 +8,7 @@ import yaml
 from roadmend.core.errors import InputError
 from roadmend.networks.checkpoint import find_model
 from roadmend.policies.parameters import ModularParameters
+from roadmend.policies.prediction import TIMES, time_at
 from roadmend.policies.registry import POLICIES, make_policy
 
 CONFIG = Path(__file__).parents[2] / "config" / "policies"
@@ -50,3 +51,8 @@ def test_every_parameter_refuses_what_is_outside_its_range(name):
     for value in (low - 0.01, high + 0.01):
         with pytest.raises(InputError):
             make_policy("modular", {name: value})
+
+
+def test_gaps_are_looked_for_no_further_than_is_predicted():
+    bounds = ModularParameters.model_json_schema()["properties"]["change_horizon"]
+    assert bounds["maximum"] == time_at(TIMES - 1)

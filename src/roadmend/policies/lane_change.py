@@ -87,8 +87,9 @@ def _fits(
 def seek_gap(situation: Situation, plan: Floats) -> tuple[bool, float, float, bool]:
     """Whether to change now, a cap on the acceleration [m/s2], a line to stop at [m ahead], and whether one is sought.
 
-    Gaps are looked for along the ``plan`` and under constant accelerations, at every half second; the earliest and
-    gentlest is taken. Without any the ego slows down for the end of the window, never past it.
+    Gaps are looked for along the ``plan`` and under constant accelerations, at every half second and beyond 5 s at
+    every second; the earliest and gentlest is taken. Without any the ego slows down for the end of the window, never
+    past it.
     """
     parameters, memory, stages = situation.parameters, situation.memory, situation.route.stages
     forecasts, speed, half = situation.others.forecasts, situation.ego.speed, 0.5 * situation.ego.length

@@ -37,7 +37,10 @@ class ModularParameters(Parameters):
     headway: float = Field(1.2, ge=0.5, le=3.0, description="time gap to the vehicle ahead [s]")
     standstill_gap: float = Field(2.5, ge=0.5, le=6.0, description="gap to a standing vehicle ahead [m]")
     cut_in_horizon: float = Field(
-        2.0, ge=0.0, le=5.0, description="who enters the lane within this counts as ahead [s]"
+        2.0,
+        ge=0.0,
+        le=5.0,
+        description="who enters the lane within this counts as ahead, beyond 4 only where the ego yields to somebody [s]",
     )
 
     # Behaviour: right of way
@@ -72,7 +75,9 @@ class ModularParameters(Parameters):
     change_front_deceleration: float = Field(
         2.5, ge=0.5, le=6.0, description="deceleration behind the new leader [m/s2]"
     )
-    change_horizon: float = Field(8.0, ge=1.0, le=15.0, description="how far ahead gaps are looked for [s]")
+    change_horizon: float = Field(
+        8.0, ge=1.0, le=8.0, description="how far ahead gaps are looked for, at most as far as is predicted [s]"
+    )
 
     # Planner
     planning_interval: float = Field(
