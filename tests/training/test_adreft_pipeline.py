@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from roadmend.cli.main import main
-from roadmend.networks.checkpoint import load_checkpoint
+from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.weighing import Weighing
@@ -278,7 +278,7 @@ def test_fine_tuning_by_rollouts_goes_on_from_a_model_and_moves_its_adapter_alon
 def test_the_monitor_is_told_of_at_the_threshold_that_the_model_gets(tmp_path, monkeypatch):
     configuration = TrainingConfiguration.model_validate({**FUTURES, "rollouts": {"rounds": 1}})
     model, start = configuration.model.configuration(), tmp_path / "start.safetensors"
-    save_model(start, model, tensors_of(AdreftNetwork(model)), 0.5)
+    first = save_model(start, model, tensors_of(AdreftNetwork(model)), 0.5, ancestry=["its parent"])
     scores, critical = np.array([0.6, 0.3, 0.3, 0.1]), np.array([1.0, 1.0, 0.0, 0.0])
     frames = SimpleNamespace(critical=critical, critical_weight=np.ones(4), action=np.zeros(4))
     monkeypatch.setattr(Pipeline, "_frames", lambda *_: frames)
@@ -294,7 +294,10 @@ def test_the_monitor_is_told_of_at_the_threshold_that_the_model_gets(tmp_path, m
     assert trained.threshold == 0.2
     assert trained.monitor == monitor_quality(scores, critical > 0.5, 0.2)
     assert trained.monitor != monitor_quality(scores, critical > 0.5, 0.5)
-    assert load_checkpoint(tmp_path / "out.safetensors").header["metrics"]["monitor"] == asdict(trained.monitor)
+    header = load_checkpoint(tmp_path / "out.safetensors").header
+    assert header["metrics"]["monitor"] == asdict(trained.monitor)
+    assert header["ancestry"] == [first, "its parent"]
+    assert header["configuration"]["device"] == "cpu"
 
 
 def test_without_precaution_only_the_monitor_decides(train, tmp_path):
@@ -366,6 +369,12 @@ def test_fine_tuning_alone_begins_with_what_an_earlier_call_has_practised(train,
     assert train(blind_corpus(1, 1), PRACTISED, "model.safetensors", *options) == 2
     assert "practice-1.safetensors: there is no supervised stage to begin with" in capsys.readouterr().err
     assert not [*(tmp_path / "model.training").iterdir()]  # nobody has driven
+
+
+def test_of_a_model_to_begin_with_it_is_said_what_is_left_out(train, tmp_path, capsys):
+    start = find_model("modular", "adreft-")
+    assert train(blind_corpus(1, 1), QUICK, "model.safetensors", "--start", str(start)) == 2  # has other networks
+    assert f"{start}: its need and change monitors are left out" in capsys.readouterr().err
 
 
 def test_a_model_that_cannot_be_leaves_no_folder(train, tmp_path, capsys):

@@ -35,7 +35,7 @@ def frame_set(seed, count=400):
     )
 
 
-def stage_of(state, training=None, seed=1, **changes):
+def stage_of(state, training=None, seed=1, device="cpu", **changes):
     values = {
         "epochs": 6,
         "learning_rate": 5e-3,
@@ -45,7 +45,7 @@ def stage_of(state, training=None, seed=1, **changes):
         "clip": 1.0,
     }
     section = SupervisedSection(**{**values, **changes})
-    return SupervisedStage(MODEL, section, training or frame_set(0), frame_set(1), StageRun(seed, "cpu", state))
+    return SupervisedStage(MODEL, section, training or frame_set(0), frame_set(1), StageRun(seed, device, state))
 
 
 def same(one, other):
@@ -106,6 +106,7 @@ def test_a_state_of_another_training_is_refused(tmp_path):
         ({"seed": 2}, "seed"),
         ({"epochs": 2}, "supervised"),
         ({"training": frame_set(3)}, "training"),
+        ({"device": "cpu:0"}, "device"),
     ):
         with pytest.raises(InputError, match=f"was begun with another '{name}'; start afresh"):
             stage_of(tmp_path / "state", **{"epochs": 1, **changes})

@@ -11,7 +11,13 @@ class FuturesSection(Parameters):
     start: str | None = Field(
         None, description="model of ADReFT to begin with: a shipped one by its policy's name, or a file; none: none"
     )
-    moments: int = Field(6, ge=1, le=1000, description="moments that are looked at in a drive")
+    moments: int = Field(
+        6,
+        ge=1,
+        le=1000,
+        description="moments that are looked at in a drive, about: each of its parts (a violation's last 4 s, the 4 s before "
+        "them, what is before that; what may come after the end) has at least one",
+    )
     futures: int = Field(4, ge=1, le=100, description="futures of a moment, the same ones with every pulse")
     pulsed: int = Field(1, ge=0, le=100, description="drives of a case with pulses at random times, besides the plain")
     pulse: float = Field(0.6, ge=0.05, le=5.0, description="how long a tried action is held [s]")

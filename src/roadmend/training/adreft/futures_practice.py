@@ -61,7 +61,7 @@ class FuturesPractice:
         start = self._section.start
         checkpoint = None if start is None else load_start(find_model(start, "adreft-"), self._model)
         self._start = None if checkpoint is None else checkpoint.tensors
-        self.ancestry = [] if checkpoint is None else [checkpoint.digest]
+        self.ancestry = [] if checkpoint is None else [checkpoint.digest, *checkpoint.header["ancestry"]]
 
     def run(self) -> tuple[Tensors, str]:
         """Practise, round after round, on all moments so far; returns the tensors and the digest of the moments.

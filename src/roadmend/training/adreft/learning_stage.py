@@ -86,6 +86,7 @@ class LearningStage(ABC):
             "model": model.model_dump(mode="json", exclude={"weighing"}),
             "practice": section.model_dump(mode="json"),
             "seed": run.seed,
+            "device": run.device,  # the bits depend on it
             "trials": decisions.digest,
             "start": None if start is None else digest_of_tensors(start),
         }

@@ -269,7 +269,9 @@ class Pipeline:
 
     def _from_model(self, start: Path) -> _Supervised:
         checkpoint = load_start(start, self._model)
-        return _Supervised(self._model, checkpoint.tensors, None, checkpoint.header["data_digest"], [checkpoint.digest])
+        header = checkpoint.header
+        ancestry = [checkpoint.digest, *header["ancestry"]]
+        return _Supervised(self._model, checkpoint.tensors, None, header["data_digest"], ancestry)
 
     def _calibrate(self, before: _Supervised, validation: FrameSet) -> tuple[float, MonitorQuality]:
         """lambda_safe, by harmless drives or by critical frames, and how good the monitor is at these."""
@@ -348,6 +350,7 @@ class Pipeline:
             "configuration": {
                 "training": self._configuration.model_dump(mode="json"),
                 "seed": self._seed,
+                "device": self._device,  # the bits depend on it
                 "only": only,
                 "policy": subject.driver.policy,
                 "roadmend": __version__,

@@ -92,6 +92,7 @@ class ReinforcementStage:
             "model": model.model_dump(mode="json"),
             "reinforcement": section.model_dump(mode="json"),
             "seed": seed,
+            "device": run.device,  # the bits depend on it
             "policy": policy,
             "threshold": threshold,
             "networks": digest_of_tensors(self._tensors),

@@ -92,6 +92,7 @@ class SupervisedStage:
             "model": model.model_dump(mode="json"),
             "supervised": section.model_dump(mode="json"),
             "seed": run.seed,
+            "device": run.device,  # the bits depend on it
             "training": training.digest,
             "validation": validation.digest,
         }
