@@ -1,8 +1,12 @@
 """Searches from end to end: interrupted and not, with one worker and several, in the toy world and in SUMO."""
 
+import dataclasses
 import json
 import random
+import shlex
+import shutil
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +14,7 @@ import pytest
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError
 from roadmend.core.scene import EgoState, ObjectList, Scene
+from roadmend.networks.checkpoint import find_model
 from roadmend.search import campaign as module
 from roadmend.search.attempt import CRASH
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
@@ -151,6 +156,24 @@ def test_a_violation_reproduces_from_its_file(tmp_path, monkeypatch):
     assert entry.reproduction.command.split()[:4] == ["roadmend", "run", "--scenario", entry.reproduction.scenario]
     again = again.model_copy(update={"name": "point"})
     assert evaluate_scenario(again, "modular", "none") == entry.evaluation
+
+
+@pytest.mark.parametrize("is_absolute", [False, True])
+def test_a_model_file_of_the_callers_folder_is_found_from_the_searchs(tmp_path, monkeypatch, is_absolute):
+    (tmp_path / "my models").mkdir()
+    shutil.copy(find_model("ego_mlp"), tmp_path / "my models" / "mine.safetensors")
+    monkeypatch.chdir(tmp_path)
+    given = str(tmp_path / "my models/mine.safetensors") if is_absolute else "my models/mine.safetensors"
+    planned = dataclasses.replace(plan("random"), subject=Subject("S5", given, "none", 1))
+    with Ledger(Path("found here"), planned.settings) as ledger:
+        run_campaign(planned, ledger, lambda points: iter([made_up("COLLISION", "a", BEST, ()) for _ in points]), 1)
+    [entry] = ledger.entries
+    monkeypatch.chdir("found here")
+    words = shlex.split(entry.reproduction.command)
+    assert words[4:] == ["--policy", entry.reproduction.policy, "--repair", "none"]
+    assert Path(words[3]).is_file()
+    assert Path(words[5]).samefile(tmp_path / "my models" / "mine.safetensors")
+    assert Path(words[5]).is_absolute() is is_absolute
 
 
 def test_a_point_that_cannot_be_run_is_a_result():

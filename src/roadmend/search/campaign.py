@@ -1,8 +1,11 @@
 """A search from its first point to its budget, over as many calls as it takes."""
 
+import os
+import shlex
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from roadmend import __version__
@@ -10,6 +13,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.journal import Key, entry_key
 from roadmend.core.parameters import Parameters as AnyParameters
 from roadmend.measures.driver import driver_key
+from roadmend.networks.checkpoint import SUFFIX
 from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.repair.registry import METHOD_REGISTRY
 from roadmend.search.attempt import CRASH
@@ -155,8 +159,16 @@ def _entry(campaign: Campaign, ledger: Ledger, index: int, trial: Trial) -> Ledg
     subject, name = campaign.subject, campaign.name(index)
     path = f"{FOUND}/{name}.yaml"
     save_scenario(subject.scenario(trial.parameters, name), ledger.folder / path)
-    command = f"roadmend run --scenario {path} --policy {subject.policy} --repair {subject.method}"
-    return LedgerEntry(index, key, trial.evaluation, RerunCommand(path, command, subject.policy, subject.method))
+    policy, method = (_seen_from(ledger.folder, given) for given in (subject.policy, subject.method))
+    command = shlex.join(["roadmend", "run", "--scenario", path, "--policy", policy, "--repair", method])
+    return LedgerEntry(index, key, trial.evaluation, RerunCommand(path, command, policy, method))
+
+
+def _seen_from(folder: Path, given: str) -> str:
+    """A name as it is; a model file's path, which was given in the user's folder, as it is seen from another one."""
+    if not given.endswith(SUFFIX) or Path(given).is_absolute():
+        return given
+    return os.path.relpath(Path(given).resolve(), folder.resolve())
 
 
 def _key(campaign: Campaign, index: int, point: Parameters) -> Key:

@@ -22,7 +22,7 @@ class RerunCommand:
 
     scenario: str  # file, seen from the search's folder
     command: str  # to be given in the search's folder
-    policy: str
+    policy: str  # a model file as it is seen from the search's folder
     method: str
 
 
