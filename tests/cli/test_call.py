@@ -8,7 +8,9 @@ import click
 
 from roadmend.cli.call import call_again
 from roadmend.cli.main import run_group
-from roadmend.cli.options import NameType
+from roadmend.cli.options import ModelType, NameType
+from roadmend.cli.sera_cycle import cycle
+from roadmend.cli.sera_tune import tune
 from roadmend.networks.checkpoint import find_model
 from roadmend.policies.registry import POLICY_REGISTRY
 
@@ -25,6 +27,7 @@ def tool():
 @click.option("--policy", "policies", multiple=True, default=["modular"])
 @click.option("-k", "--count", type=int, default=20)
 @click.option("--model", type=NameType(POLICY_REGISTRY))
+@click.option("--network", type=ModelType())
 @click.option("--limit", type=float)
 @click.option("--work", type=click.Path(path_type=Path))
 @click.option("--resume", is_flag=True)
@@ -57,9 +60,19 @@ def test_where_it_goes_and_how_it_is_shown_is_not_told():
 def test_what_is_passed_on_tells_files_without_their_places(tmp_path):
     model = tmp_path / "my model.safetensors"
     shutil.copyfile(find_model("neural"), model)
-    told = called("measure", "/home/me/a.yaml", "--policy", "x/y", "--model", str(model))[0]
-    assert told == f"./roadmend measure /home/me/a.yaml --policy x/y --model {shlex.quote(str(model))}"
-    assert PLACELESS[-1] == "./roadmend measure a.yaml --policy x/y --model 'my model.safetensors'"
+    words = ["/home/me/a.yaml", "--policy", "x/y", "--model", str(model), "--network", str(model)]
+    quoted = shlex.quote(str(model))
+    assert called("measure", *words)[0] == (
+        f"./roadmend measure /home/me/a.yaml --policy x/y --model {quoted} --network {quoted}"
+    )
+    name = "'my model.safetensors'"
+    assert PLACELESS[-1] == f"./roadmend measure a.yaml --policy x/y --model {name} --network {name}"
+
+
+def test_the_policies_that_are_tuned_are_told_without_their_places():
+    for command in (tune, cycle):
+        (policy,) = [each for each in command.params if each.name == "policy"]
+        assert isinstance(policy.type, ModelType)
 
 
 def test_the_call_that_is_told_means_the_same_again():

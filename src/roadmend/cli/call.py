@@ -8,7 +8,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from roadmend.cli.options import NameType
+from roadmend.cli.options import ModelType, NameType
 
 # Where it goes, whether it goes on, and how it is shown: no figure hangs on them.
 _ASIDE = ("out", "work", "workers", "resume", "as_json", "with_page")
@@ -39,7 +39,7 @@ def call_again(always: Collection[str] = (), *, with_places: bool = True) -> str
 def _words(parameter: click.Parameter, given: Any, *, with_places: bool) -> Iterator[str]:
     values = given if isinstance(given, tuple | list) else (given,)
     if not with_places:
-        is_named = isinstance(parameter.type, NameType)  # of a registry, or a file
+        is_named = isinstance(parameter.type, NameType | ModelType)  # what they name may be a file
         values = [Path(each).name if is_named or isinstance(each, Path) else each for each in values]
     if isinstance(parameter, click.Argument):
         yield from map(str, values)

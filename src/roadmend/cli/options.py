@@ -48,6 +48,12 @@ class NameType(click.ParamType[str]):
         return [CompletionItem(name) for name in (*self.registry.names, *self.also) if name.startswith(begun)]
 
 
+class ModelType(click.ParamType[str]):
+    """Names a model that ships, or a model file; what names neither is refused by what reads it."""
+
+    name = "model"
+
+
 class Number(click.FloatRange):
     """A number within a range; no comparison with NaN is true, so that click's own range lets it pass."""
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import click
 
 from roadmend.cli.language_options import LanguageChoice
-from roadmend.cli.options import FILE, options_of, settings_file
+from roadmend.cli.options import FILE, ModelType, options_of, settings_file
 from roadmend.core.errors import InputError
 from roadmend.core.resources import config_folder
 from roadmend.language.exchange import ENDING
@@ -23,7 +23,11 @@ from roadmend.world.scenario import Scenario
 
 BANK = click.option("--bank", "bank_file", required=True, type=FILE, help="Bank to read.")
 NEURAL_POLICY = click.option(
-    "--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file."
+    "--policy",
+    default="neural",
+    show_default=True,
+    type=ModelType(),
+    help="A neural policy that ships, or its model file.",
 )
 PATTERN = click.option(
     "--pattern",
