@@ -132,6 +132,35 @@ def test_the_text_form_names_line_and_field(old, new, line, field):
     assert field in caught.value.what
 
 
+@pytest.mark.parametrize(
+    ("field", "good", "broken"),
+    [
+        ("x-bend", ["left", "Right", None], ["up", 7, True]),
+        ("x-median", [0, 6.5, 60, True, False, None], [-1, 61, float("nan"), "6 m"]),
+        ("x-divided", [True, False, None], ["yes", 1]),
+        ("x-control", ["signal", "All-way stop", "none", None], ["traffic signal", 4]),
+        ("x-heading", ["North", "west", None], ["N2S", 90]),
+        ("x-lane", [1, 3, "left", "Middle", None], [0, -1, 1.5, True, "second"]),
+    ],
+)
+def test_fields_of_ones_own_that_roads_are_built_by_hold_what_that_asks_for(field, good, broken):
+    def parse(value):
+        data = dump_data(parse_crash_scenario(LISTING, ".txt", "listing"))
+        place = data["vehicles"][1] if field == "x-lane" else data
+        place[field] = value
+        return parse_data(data, "here")
+
+    for value in good:
+        parse(value)
+    for value in broken:
+        with pytest.raises(
+            InputError, match=rf"here: field (vehicles\[1\]\.)?{field}: .* is not what a road is built by"
+        ):
+            parse(value)
+    elsewhere = changed(env=changed()["env"] | {field: broken[0]})
+    assert parse_data(elsewhere, "here").environment.extras == {field: broken[0]}
+
+
 @pytest.mark.parametrize("text", ["", "<Road network>:\n", LISTING + LISTING])
 def test_a_text_is_one_scenario(text):
     with pytest.raises(InputError, match="one <Scenario>"):

@@ -29,6 +29,7 @@ from roadmend.safe.dsl import (
     Weather,
     is_extra_name,
 )
+from roadmend.safe.stated import why_unusable
 
 Word = TypeVar("Word", bound=StrEnum)
 Lines = Mapping[str, int]  # field -> line of the file, from 1
@@ -151,6 +152,14 @@ class _Parser:
                 raise self.fail(_join(field, name), what, "write it in quotes, as a text") from None
         return content, extras
 
+    def check_stated(self, extras: Mapping[str, Any], field: str = "") -> None:
+        """Of fields of one's own, those that roads are built by hold what that asks for."""
+        for name, value in extras.items():
+            words = why_unusable(name, value, of_vehicle=bool(field))
+            if words is not None:
+                what = f"{_shown(value)} is not what a road is built by"
+                raise self.fail(_join(field, name), what, f"give {words}, or null")
+
     def word(self, content: Mapping[str, Any], parent: str, name: str, words: type[Word]) -> Word | None:
         value = content.get(name)
         if value is None:
@@ -183,6 +192,7 @@ class _Parser:
     def scenario(self, content: object) -> CrashScenario:
         needed = ("road_type", "num_lanes", "stem_direction", "vehicles", "env")
         fields, extras = self.mapping(content, "", needed, _BEYOND)
+        self.check_stated(extras)
         stem = {} if fields["stem_direction"] == NOT_APPLICABLE else fields
         road_type = self.word(fields, "", "road_type", RoadType)
         lanes, compass = self.whole(fields, "", "num_lanes"), self.word(stem, "", "stem_direction", Compass)
@@ -229,6 +239,7 @@ class _Parser:
     def vehicle(self, content: object, field: str) -> DescribedVehicle:
         needed = ("model", "initial_position", "action", "speed_limit_mph")
         fields, extras = self.mapping(content, field, needed, ("manoeuvre",))
+        self.check_stated(extras, field)
         action = fields["action"]
         try:
             return DescribedVehicle(

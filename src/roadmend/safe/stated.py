@@ -7,9 +7,12 @@ one's own may say the same, and more, in extras:
   width), ``x-divided`` (true), ``x-control`` ("signal", "stop sign", "all-way stop", "yield sign" or "none"), and
   ``x-heading`` (point of the compass to which the main road of a merging leads);
 - of a vehicle: ``x-lane`` (from the right, 1 is the rightmost; or "left", "middle", "right").
+
+Null says nothing. A file in which one of them holds anything else is refused where it is read (``why_unusable``).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from roadmend.safe.dsl import Compass, CrashScenario, Side
@@ -25,6 +28,54 @@ _CONTROLS = {
     "yield sign": "priority",
     "none": "right_before_left",
 }
+_PLACES = {"right": 0, "middle": 1, "left": _LEFTMOST}
+
+
+@dataclass(frozen=True, slots=True)
+class _Stated:
+    """What a field of one's own may hold that roads are built by."""
+
+    words: str
+    holds: Callable[[Any], bool]
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 1
+
+
+def _is_median(value: Any) -> bool:
+    return isinstance(value, bool) or (isinstance(value, int | float) and 0.0 <= value <= _WIDEST)
+
+
+def _one_of(*words: str) -> _Stated:
+    return _Stated(f"one of {', '.join(words)}", lambda value: _plain(value) in {word.lower() for word in words})
+
+
+_OF_CRASH = {
+    "x-bend": _one_of("left", "right"),
+    "x-median": _Stated(f"metres from 0 to {_WIDEST:g}, true or false", _is_median),
+    "x-divided": _Stated("true or false", lambda value: isinstance(value, bool)),
+    "x-control": _one_of(*_CONTROLS),
+    "x-heading": _one_of(*Compass),
+}
+_OF_VEHICLE = {
+    "x-lane": _Stated(
+        f"a number from 1 at the right, or one of {', '.join(_PLACES)}",
+        lambda value: _is_whole(value) or _plain(value) in _PLACES,
+    ),
+}
+
+
+def why_unusable(name: str, value: Any, *, of_vehicle: bool) -> str | None:
+    """What a field of one's own should hold, in words, where a road is built by it and the value is none of that.
+
+    Args:
+        name: of the field.
+        value: that it holds; null is never wrong.
+        of_vehicle: whether it stands at a vehicle, or at the crash.
+    """
+    stated = (_OF_VEHICLE if of_vehicle else _OF_CRASH).get(name)
+    return None if stated is None or value is None or stated.holds(value) else stated.words
 
 
 def bend_side(crash: CrashScenario) -> Side | None:
@@ -59,15 +110,16 @@ def lanes_of(crash: CrashScenario) -> dict[int, int]:
     found = {}
     for index, vehicle in enumerate(crash.vehicles):
         told = vehicle.extras.get("x-lane")
-        if isinstance(told, int) and not isinstance(told, bool) and told >= 1:
+        if isinstance(told, int) and _is_whole(told):
             found[index] = told - 1
-        elif isinstance(told, str):
-            place = {"right": 0, "middle": 1, "left": _LEFTMOST}.get(told.strip().lower())
-            if place is not None:
-                found[index] = place
+        elif _plain(told) in _PLACES:
+            found[index] = _PLACES[_plain(told)]
     return found
 
 
 def _word(extras: Mapping[str, Any], name: str) -> str:
-    told = extras.get(name)
-    return told.strip().lower() if isinstance(told, str) else ""
+    return _plain(extras.get(name))
+
+
+def _plain(value: Any) -> str:
+    return value.strip().lower() if isinstance(value, str) else ""
