@@ -99,6 +99,15 @@ def test_of_one_search_alone_nothing_can_be_told_of_others():
     assert delta_e_interval(cases[:2]) is None
 
 
+@pytest.mark.parametrize("count", [0, 1])
+def test_one_case_of_each_kind_tells_nothing_of_others(count):
+    drawn = ("intensity", "dose", "intervened_frames")
+    two = [result("a", True, "GOAL", 4, 2.0), result("b", False, "GOAL")][: 1 + count]
+    assert [summarise(two)["intervals"][name] for name in drawn] == [None] * 3
+    three = [*two, result("c", True, "GOAL")]
+    assert summarise(three)["intervals"]["dose"] is not None
+
+
 def test_shares_of_the_bound_look_only_at_what_it_repairs():
     bound = {each.case: each for each in run("GGCGGGGG", 5, 2.0)}
     share = share_of_bound(run("GTGGGGGG", 10, 6.0), bound)

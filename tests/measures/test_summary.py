@@ -28,6 +28,18 @@ def test_more_episodes_of_the_same_kind_make_it_surer():
     assert width(many) < 0.5 * width(few)
 
 
+def test_one_episode_tells_nothing_of_others():
+    found = summarise([one(100.0, True)])
+    assert {name: found[name]["mean"] for name in ("driving_score", "comfortness")} == {
+        "driving_score": 100.0,
+        "comfortness": 80.0,
+    }
+    assert found["driving_score"]["interval"] is found["comfortness"]["interval"] is None
+    assert found["success_rate"]["interval"][0] < 50.0
+    assert found["efficiency"]["interval"] is None
+    assert summarise([one(100.0, True)] * 2)["driving_score"]["interval"] == [100.0, 100.0]
+
+
 def test_without_episodes_there_is_nothing_to_say():
     rows = summary_rows({"S1": summarise([])})
     assert rows[1][:4] == ["S1", "0", "-", "-"]

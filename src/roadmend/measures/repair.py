@@ -119,7 +119,7 @@ def summarise(results: Sequence[CaseResult]) -> Figures:
     """The figures with their 95 % intervals in ``intervals``.
 
     Wilson's for shares, ``delta_e_interval`` for delta_e, the bootstrap over cases, drawn within violations and successes,
-    for the rest.
+    for the rest; that is None where there is but one case of each.
     """
     split = Split.of(results)
     violations, successes = split.violations, split.successes
@@ -249,6 +249,8 @@ def _bootstraps(split: Split) -> dict[str, list[float] | None]:
         ).reshape(-1, 3)
         for results in (split.violations, split.successes)
     )
+    if all(len(table) < 2 for table in tables):  # nothing can be drawn but what there is
+        return dict.fromkeys(("intensity", "dose", "intervened_frames"))
     cases = max(1, sum(len(table) for table in tables))
 
     def intensity(sums: tuple[Floats, ...]) -> Floats:

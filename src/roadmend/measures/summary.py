@@ -31,7 +31,7 @@ def summarise(measures: Sequence[DrivingMeasures]) -> dict[str, Any]:
     """Means and intervals as plain values, None where nothing can be told.
 
     Driving Score and Comfortness are of 100, Success Rate and Efficiency in percent. The interval of the Success Rate
-    is Wilson's, the others are the bootstrap's over episodes.
+    is Wilson's, the others are the bootstrap's over episodes, of which it takes two to tell anything.
     """
     count = len(measures)
     successes = sum(one.success for one in measures)
@@ -65,6 +65,9 @@ def _mean(values: Sequence[float | None]) -> dict[str, Any]:
     known = [value for value in values if value is not None]
     if not known:
         return {"mean": None, "interval": None}
+    mean = float(np.mean(known))
+    if len(known) < 2:
+        return {"mean": mean, "interval": None}
     table = np.column_stack([known, np.ones(len(known))])
     interval = bootstrap((table,), lambda sums: np.asarray(sums[0][:, 0] / sums[0][:, 1], dtype=np.float64))
-    return {"mean": float(np.mean(known)), "interval": [*interval]}
+    return {"mean": mean, "interval": [*interval]}
