@@ -3,7 +3,8 @@
 Each run starts ``roadmend run`` in a folder that holds somebody else's files and a bag, and sends one signal to one of its
 processes, the launcher's included, at a moment drawn by the seed: from the first 0.1 s, before anything is up, to after
 its end. Who was stopped goes on after a while, or is killed then. Afterwards there must be no process of the run, no
-temporary folder, each file that was there before as it was, and a bag that reads or can be recovered if one was begun.
+temporary folder, each file that was there before as it was, a bag that reads or can be recovered if one was begun, and an
+exit code that says what became of the run.
 Written are FOLDER/kills.jsonl, and kills.json and kills.md beside this file where ``--publish`` is given.
 """
 
@@ -37,6 +38,13 @@ PATIENCE_S = 90.0
 GONE_S = 6.0  # [s] in which everything must be gone
 LIMIT_S = 6.0  # [s] simulated
 LATEST_S = 9.0  # [s] of wall time
+CODE = (  # what decides how a run goes, and how it is judged
+    "kills",
+    *(f"roadmend.cli.{name}" for name in ("main", "run")),
+    *(f"roadmend.nodes.{name}" for name in ("launcher", "fork_server", "policy", "recorder", "repair", "sim", "viz")),
+    "roadmend.policies.modular",
+    "roadmend.repair.rss",
+)
 
 
 def kill(seed: int) -> dict[str, object]:
@@ -62,7 +70,8 @@ def kill(seed: int) -> dict[str, object]:
         mark = f"TMPDIR={folder / 'tmp'}"
         try:
             told = _disturb(process, numbers, mark)
-            told |= _left(process, folder, mark)
+            told["begun"] = _is_begun(folder)
+            told |= _left(process, folder, mark, is_begun=bool(told["begun"]))
         finally:
             end_all(mark)
             process.wait()
@@ -94,17 +103,20 @@ def _disturb(process: subprocess.Popen[bytes], numbers: random.Random, mark: str
     return {"moment": moment, "signal": what, "victim": name, "resume": resume if what == "STOP" else None}
 
 
-def _left(process: subprocess.Popen[bytes], folder: Path, mark: str) -> dict[str, object]:
-    try:
-        code: int | None = process.wait(PATIENCE_S)
-    except subprocess.TimeoutExpired:
-        return {"exit_code": None, "left": ["hung"]}
+def _left(process: subprocess.Popen[bytes], folder: Path, mark: str, *, is_begun: bool) -> dict[str, object]:
+    until = time.monotonic() + PATIENCE_S
+    while process.poll() is None:
+        is_begun = is_begun or _is_begun(folder)
+        if time.monotonic() > until:
+            return {"exit_code": None, "left": ["hung"], "begun": is_begun}
+        time.sleep(0.02)
+    code = process.returncode
     until = time.monotonic() + GONE_S
     while left_of(mark) and time.monotonic() < until:
         time.sleep(0.05)
     left = [f"process {_name(number)}" for number in left_of(mark)]
     left += [f"folder {path.name[:16]}" for path in (folder / "tmp").glob("roadmend-*") if path.is_dir()]
-    return {"exit_code": code, "left": left}
+    return {"exit_code": code, "left": left, "begun": is_begun}
 
 
 def _name(process: int) -> str:
@@ -130,12 +142,19 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "gone"
 
 
+def _is_begun(folder: Path) -> bool:
+    """Whether the recorder has written into the bag's folder, which the launcher makes."""
+    with contextlib.suppress(FileNotFoundError):
+        return any(path.stat().st_size for path in (folder / "bags" / "bag").glob("*.mcap"))
+    return False
+
+
 def _bag(folder: Path) -> str:
     """Whether the bag reads, can be recovered, was not begun, or is lost."""
     bag = folder / "bags" / "bag"
     if not bag.exists():
         return "none"
-    if not any(path.stat().st_size for path in bag.glob("*.mcap")):
+    if not _is_begun(folder):
         return "not begun"
     with contextlib.suppress(InputError):
         if bag_info(bag).complete:
@@ -153,9 +172,29 @@ def wrong_with(told: dict[str, object]) -> list[str]:
     faults = [*told["left"], *(f"changed {name}" for name in told["changed"])]
     if told["traceback"]:
         faults.append("a bare traceback")
-    if str(told["bag"]).startswith("lost"):
-        faults.append(str(told["bag"]))
+    code, bag = told["exit_code"], str(told["bag"])
+    if bag.startswith("lost"):
+        faults.append(bag)
+    elif bag in {"none", "not begun"} and told.get("begun"):
+        faults.append("lost: it was begun, and nothing is left of it")
+    elif code == 0 and bag != "reads":
+        faults.append(f"exit code 0, and of the bag: {bag}")
+    if code is not None and code not in _codes(told):
+        faults.append(f"exit code {code}")
     return faults
+
+
+def _codes(told: dict[str, object]) -> set[int]:
+    """The exit codes that a run may have: guarantees.md says of each what it means."""
+    if not told["victim"]:
+        return {0}
+    if told["victim"] != "launcher":
+        return {0, 1}
+    if told["signal"] == "STOP":
+        return {0, 1} if told["resume"] else {-signal.SIGKILL}
+    # A run that was over in all but name ends with 0; a signal that comes before it is caught ends it as it ends anybody.
+    caught = {-getattr(signal, f"SIG{told['signal']}")}
+    return caught if told["signal"] == "KILL" else {*caught, 130, 0}
 
 
 def main() -> int:
@@ -168,7 +207,7 @@ def main() -> int:
     found = []
     with Journal(given.folder / "kills.jsonl", "roadmend-kills/1", owns_folder=True) as journal:
         for seed in range(given.count):
-            key = entry_key(("roadmend.nodes.launcher", "roadmend.nodes.sim", "roadmend.nodes.repair"), seed)
+            key = entry_key(CODE, seed)
             entry = journal.get(key)
             if entry is None:
                 entry = kill(seed)
@@ -205,7 +244,17 @@ def publish(found: list[dict[str, object]], count: int) -> None:
         }
         for (victim, name), runs in sorted(groups.items())
     ]
-    told = [["to", "signal", "runs", "nothing left, lost or changed", "bags", "exit codes", "not as it should be"]]
+    told = [
+        [
+            "to",
+            "signal",
+            "runs",
+            "nothing left, lost or changed, and the exit code right",
+            "bags",
+            "exit codes",
+            "not as it should be",
+        ]
+    ]
     for row in rows:
         words = [
             ", ".join(f"{value} {name}" for name, value in row[part].items())
