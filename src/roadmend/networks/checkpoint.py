@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -18,6 +17,7 @@ from roadmend.core.bounded_file import read_bytes
 from roadmend.core.bounds import MODEL
 from roadmend.core.errors import InputError
 from roadmend.core.json_text import parse_json
+from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import written_beside
 
 FORMAT = "roadmend-model/1"
@@ -142,12 +142,12 @@ SUFFIX = ".safetensors"
 
 
 def models_folder() -> Path:
-    """The folder config/models of the project; where it is neither in the source tree nor installed, where it would be."""
-    candidates = [Path(__file__).parents[3] / "config" / "models"]
-    candidates += [
-        parent / "share" / "roadmend" / "config" / "models" for parent in (Path(sys.prefix), *Path(__file__).parents)
-    ]
-    return next((folder for folder in candidates if folder.is_dir()), candidates[0])
+    """The folder config/models of the project.
+
+    Raises:
+        RoadmendError: config/ is neither in the source tree nor installed.
+    """
+    return config_folder() / "models"
 
 
 def find_model(given: str, prefix: str = "") -> Path:
