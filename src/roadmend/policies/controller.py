@@ -12,6 +12,23 @@ _COASTING = 0.1  # [m/s2] of force around zero that presses neither pedal
 
 
 @compiled
+def is_held(wanted: float, speed: float) -> bool:
+    """Whether the ego stands and is held by the brake, where ``wanted`` [m/s2] is asked for at ``speed`` [m/s]."""
+    return speed < _STANDING and wanted <= 0.05
+
+
+@compiled
+def action_for_force(parameters: Record, force: float, speed: float) -> float:
+    """The action in [-1, 1] that gives ``force`` [m/s2] at ``speed`` [m/s], by the inverse of a nominal vehicle."""
+    p = parameters[0]
+    if force > _COASTING:
+        return float(min(1.0, force / min(p.engine_acceleration, p.engine_power / max(speed, 1.0))))
+    if force < -_COASTING:
+        return float(max(-1.0, force / p.full_brake))
+    return 0.0
+
+
+@compiled
 def control(parameters: Record, memory: Record, wanted: float, speed: float, interval: float) -> tuple[float, float]:
     """Throttle and brake, each 0..1 and never both, for ``wanted`` [m/s2] at ``speed`` [m/s].
 
@@ -19,7 +36,7 @@ def control(parameters: Record, memory: Record, wanted: float, speed: float, int
     model misses; it is frozen while braking hard, where grip and not the model may be the limit.
     """
     p, m = parameters[0], memory[0]
-    if speed < _STANDING and wanted <= 0.05:
+    if is_held(wanted, speed):
         m.correction, m.expected = 0.0, speed
         return 0.0, p.standstill_brake
     missed = m.expected - speed if m.expected >= 0.0 else 0.0
@@ -31,9 +48,9 @@ def control(parameters: Record, memory: Record, wanted: float, speed: float, int
     m.expected = max(0.0, speed + 0.5 * (wanted + m.last_wanted) * interval)
     m.last_wanted = wanted
     force = wanted + p.drag * speed * speed + p.rolling + m.correction
-    if force > _COASTING:
-        available = min(p.engine_acceleration, p.engine_power / max(speed, 1.0))
-        return min(1.0, force / available), 0.0
-    if force < -_COASTING:
-        return 0.0, min(1.0, -force / p.full_brake)
+    action = action_for_force(parameters, force, speed)
+    if action > 0.0:
+        return action, 0.0
+    if action < 0.0:
+        return 0.0, -action
     return 0.0, 0.0

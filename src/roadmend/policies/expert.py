@@ -9,7 +9,8 @@ from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.jit import compiled, unnamed
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Objects, Scene
-from roadmend.policies import behaviour, planner, prediction
+from roadmend.core.tick import INTERVAL
+from roadmend.policies import behaviour, controller, planner, prediction
 from roadmend.policies.modular import new_driver
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.road import RouteTables
@@ -18,12 +19,9 @@ from roadmend.policies.situation import Driver
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
 
-_INTERVAL = 0.05  # [s] between ticks, assumed at the first one
 _INTERVAL_MAX = 0.5  # [s] a longer pause is a new beginning
 _STOP = Decision(Command(0.0, 0.6), Trajectory.empty())
 _GRAVITY = 9.81  # [m/s2]
-_STANDING = 0.15  # [m/s]
-_COASTING = 0.1  # [m/s2] of force around zero that presses neither pedal
 CAUTION = {"headway": 1.5, "cut_in_horizon": 2.5, "trust": 2.5, "time_margin": 0.4, "front_margin": 1.0}
 
 
@@ -47,14 +45,9 @@ def expert_parameters(friction: float) -> ModularParameters:
 def action_for(parameters: Record, wanted: float, speed: float) -> float:
     """The action in [-1, 1] that gives ``wanted`` [m/s2] at ``speed`` [m/s], by the inverse of a nominal vehicle."""
     p = parameters[0]
-    if speed < _STANDING and wanted <= 0.05:
+    if controller.is_held(wanted, speed):
         return -float(p.standstill_brake)
-    force = wanted + p.drag * speed * speed + p.rolling
-    if force > _COASTING:
-        return float(min(1.0, force / min(p.engine_acceleration, p.engine_power / max(speed, 1.0))))
-    if force < -_COASTING:
-        return float(max(-1.0, force / p.full_brake))
-    return 0.0
+    return controller.action_for_force(parameters, wanted + p.drag * speed * speed + p.rolling, speed)
 
 
 @compiled
@@ -111,7 +104,7 @@ class Expert:
             return _STOP
         interval = scene.time - self._time
         if not 0.0 < interval <= _INTERVAL_MAX:
-            interval = _INTERVAL
+            interval = INTERVAL  # assumed at the first tick
         self._time = scene.time
         points = np.empty((4, prediction.FINE))
         action, change, word = _consider(

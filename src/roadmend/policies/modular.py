@@ -9,6 +9,7 @@ from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.jit import compiled, unnamed
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Objects, Scene
+from roadmend.core.tick import INTERVAL
 from roadmend.policies import behaviour, controller, planner, prediction
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.road import RouteTables
@@ -17,7 +18,6 @@ from roadmend.policies.situation import Driver, pack
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
 
-_INTERVAL = 0.05  # [s] between ticks, assumed at the first one
 _INTERVAL_MAX = 0.5  # [s] a longer pause is a new beginning
 _STOP = Decision(Command(0.0, 0.6), Trajectory.empty())  # where the ego's own state is unusable
 
@@ -114,7 +114,7 @@ class ModularPolicy:
         if not 0.0 < interval <= _INTERVAL_MAX:
             if interval < 0.0 or interval > _INTERVAL_MAX:
                 self._forget()
-            interval = _INTERVAL
+            interval = INTERVAL  # assumed at the first tick
         self._time = scene.time
         since = scene.time - self._planned_at
         if since < self.parameters.planning_interval - 1e-6:

@@ -9,6 +9,7 @@ from roadmend.core.command import Trajectory
 from roadmend.core.jit import compiled, unnamed
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.tick import INTERVAL
 from roadmend.policies import neural_tokens, prediction
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.path_ahead import PathAhead, pose_ahead, speed_on
@@ -17,7 +18,6 @@ from roadmend.policies.road import RouteTables
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
 
-_INTERVAL = 0.05  # [s] between ticks, assumed at the first one
 _INTERVAL_MAX = 0.5  # [s] a longer pause is a new beginning
 _HELD = 2.0  # [s] that the commanded acceleration is taken to last
 
@@ -75,7 +75,7 @@ class Observer:
         if not 0.0 < interval <= _INTERVAL_MAX:
             if interval < 0.0 or interval > _INTERVAL_MAX:
                 self._driver = neural_tokens.new_driver(self._parameters)
-            interval = _INTERVAL
+            interval = INTERVAL  # assumed at the first tick
         self._time = scene.time
         self._speed = ego.speed
         count, points, spacing = neural_tokens.tokenise(
