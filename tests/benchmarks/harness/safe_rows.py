@@ -1,6 +1,6 @@
 """The figures of ``roadmend bench safe`` as a table for people."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 PAPER: dict[str, Any] = {  # SAFE, RQ1 and RQ3: other simulators, other policies
@@ -65,8 +65,9 @@ def _reproduction(content: Mapping[str, Any]) -> Iterator[_Line]:
             if shares:
                 yield f"on the {half} half", shares, _NOT_MEASURED
         yield "with the policy only in a vehicle that stood", [str(each["stood"]) for each in found], _NOT_MEASURED
-        looked_on = [str(each["looked_on"]) for each in found]
-        yield "with the policy as an onlooker of a vehicle that crashes alone", looked_on, _NOT_MEASURED
+        singles, others = _by_kind(content["records"], found)
+        yield "with the policy as an onlooker of a vehicle that crashes alone", singles, _NOT_MEASURED
+        yield "with two vehicles or more", others, _NOT_MEASURED
         yield "of these crashes' collisions, shown", [f"{each['shown']} of {each['collisions']}" for each in found], "-"
         for name, title in _DIMENSIONS.items():
             cells = [f"{each['but_for'][name]} ({each['failed'][name]} runs differ)" for each in found]
@@ -76,12 +77,12 @@ def _reproduction(content: Mapping[str, Any]) -> Iterator[_Line]:
     own = [f"{each['by_own_reading']} of {each['reports']}" for each in found]
     yield "by the program's own reading of the report", own, _NOT_MEASURED
     for name, ablation in content["ablations"].items() if content["records"]["records"] else ():
-        told = [_of(each, "reproduced") for each in ablation["reproduction"].values()]
-        yield (
-            f"control: without {name.replace('-', ' ')}" + (", one random draw" if name == "search" else ""),
-            told,
-            _NOT_MEASURED,
-        )
+        measured = ablation["reproduction"].values()
+        title = f"control: without {name.replace('-', ' ')}" + (", one random draw" if name == "search" else "")
+        yield title, [_of(each, "reproduced") for each in measured], _NOT_MEASURED
+        singles, others = _by_kind(content["records"], measured)
+        yield f"{title}: a vehicle alone", singles, _NOT_MEASURED
+        yield f"{title}: two vehicles or more", others, _NOT_MEASURED
 
 
 def _extraction(content: Mapping[str, Any]) -> Iterator[_Line]:
@@ -122,6 +123,16 @@ def right_of(readings: Mapping[str, Any]) -> str:
     """Share of some readings that are right, and how many they are; a dash where there are none."""
     right = readings["right"]
     return _NOT_MEASURED if right is None else f"{100 * right:.1f} % of {readings['count']}"
+
+
+def _by_kind(records: Mapping[str, int], found: Iterable[Mapping[str, Any]]) -> tuple[list[str], list[str]]:
+    """Reproduced crashes of a single vehicle, on which the policy only looks, and of more: a random draw is one often."""
+    alone = records["single_vehicle"]
+    singles, others = [], []
+    for each in found:
+        singles.append(f"{each['looked_on']} of {alone}")
+        others.append(f"{each['reproduced'] - each['looked_on']} of {records['records'] - alone}")
+    return singles, others
 
 
 def _scored(found: Mapping[str, Any], name: str) -> str:
