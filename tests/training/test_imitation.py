@@ -121,9 +121,11 @@ def test_of_every_family_the_share_that_was_asked_for_is_held_out(held_out, fami
 def test_where_no_episode_is_held_out_no_loss_is_told(tmp_path):
     said = []
     few = TINY.model_copy(update={"held_out": 0.05, "rounds": TINY.rounds[:1]})
-    model = Training(few, 3, tmp_path / "few", 1, "cpu", "test", lambda what, *_: said.append(what)).run()
+    model = Training(few, 3, tmp_path / "few", 1, "cpu", "test", lambda *told: said.append(told)).run()
     assert load_checkpoint(model, "neural").header["metrics"]["held_out"] is None
-    assert said[-1] == "round 0: learning, no episode held out"
+    what, done, total, how = said[-1]
+    assert (what, done, how) == ("round 0: learning", total, "no episode held out")
+    assert {name for name, *_ in said} == {"round 0: driving", "round 0: learning"}  # of each a bar, and no more
 
 
 def test_nothing_is_learned_about_lane_changes_that_nobody_asked_for(samples):

@@ -25,7 +25,7 @@ from roadmend.cli.options import (
     setting_option,
     settings_file,
 )
-from roadmend.cli.output import stages, told_stages
+from roadmend.cli.output import told_stages
 from roadmend.core.bounds import ARGUMENT
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
@@ -101,7 +101,7 @@ def policy(given: PolicyOptions) -> None:
     if folder.exists() and not given.resume:
         raise InputError(str(folder), "holds a training already", "go on with --resume, or give another --out")
     command = call_again(always=("kind", "seed"), with_places=False)
-    with stages() as report:
+    with told_stages() as report:
         # One thread: small batches gain little from more, and the bits are the same on every machine.
         training = Training(
             configuration, given.seed, folder, given.workers, choose_torch_device(given.device, 1), command, report

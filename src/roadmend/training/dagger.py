@@ -24,7 +24,7 @@ from roadmend.training.imitation_configuration import ImitationConfiguration
 from roadmend.training.samples import Samples, load_samples, samples_digest, save_samples
 from roadmend.world.scenario_file import outside_content
 
-Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
+Report = Callable[[str, int, int, str], None]  # what is done, how much of it, of how much, and a word on how it goes
 
 
 @dataclass
@@ -88,7 +88,7 @@ class Training:
         with fan_out(self.workers) as mapper:
             for part in mapper(gather, lessons):
                 parts.append(part)
-                self.report(f"round {number}: driving", len(parts), len(lessons))
+                self.report(f"round {number}: driving", len(parts), len(lessons), "")
         samples = Samples.join(parts)
         save_samples(path, samples, made_by)
         return samples
@@ -121,7 +121,7 @@ class Training:
                     for key, value in asdict(losses).items() if losses is not None else ():
                         board.add_scalar(f"{key}/{name}", value, epoch)
                 how = "no episode held out" if held is None else f"{held.action:.3f} + {held.change:.4f} nat"
-                self.report(f"round {number}: learning, {how}", epoch + 1, step.epochs)
+                self.report(f"round {number}: learning", epoch + 1, step.epochs, how)
 
             held = fit(
                 network, samples, configuration, step, self.seed * 1000 + number, torch.device(self.device), note
