@@ -6,7 +6,7 @@ import pytest
 
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError
-from roadmend.recording.foreign_commands import PEDALS
+from roadmend.recording.foreign_commands import PEDALS, Pedals
 from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
 from roadmend.recording.messages import stamp_of
@@ -95,6 +95,48 @@ def test_the_command_writes_a_bag_beside_which_the_recorded_lies_as_it_was(bag, 
     assert times == sorted(times)
     topics = json.loads(now.metadata["roadmend_shadow"]["topics"])
     assert topics["objects"] == "/detections"
+
+
+def test_a_vehicle_has_the_pedals_that_are_named(bag, tmp_path, capsys):
+    pedals, then = Pedals(2.0, 6.0), []
+    repairer = make_repairer("rss", {"full_brake": 6.0}, guard={"full_brake": 6.0})
+    run_foreign_shadow(BagReader(bag), TOPICS, repairer, CAR, pedals, lambda _, answer: then.append(answer.repair))
+    repaired = record(tmp_path / "repaired", repaired=lambda step: then[step // 5])
+    found = []
+    for place, given in enumerate(([], ["--full-throttle", "2", "--full-brake", "6"])):
+        out = ["--out", str(tmp_path / f"{place}"), "--json"]
+        assert main(["bag", "shadow", str(repaired), "--repair", "rss", *OPTIONS, *given, *out]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    plain, named = found
+    assert plain["agreement"] < 0.9
+    assert named["agreement"] == 1.0
+    assert named["interventions_now"] == named["interventions_then"]
+    assert json.loads(named["parameters"]) == {"full_brake": 6.0}
+
+
+def test_who_is_patient_waits_for_objects(tmp_path):
+    bag = record(tmp_path / "bag", stands_at=900.0, objects_until=2.0)
+    out = ["--input-timeout", "10", "--out", str(tmp_path / "out")]
+    assert main(["bag", "shadow", str(bag), "--repair", "rss", *OPTIONS, *out]) == 0
+    states = [one.value for one in BagReader(tmp_path / "out").messages(["/shadow/repair/state"])]
+    assert not any("no objects: the last" in state.reason for state in states)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--ego-width", "11"),
+        ("--ego-centre", "-31"),
+        ("--full-throttle", "21"),
+        ("--full-brake", "0.4"),
+        ("--input-timeout", "0"),
+        ("--input-timeout", "61"),
+    ],
+)
+def test_ranges_are_those_of_the_node(bag, tmp_path, capsys, option, value):
+    given = [*OPTIONS, option, value, "--out", str(tmp_path / "out")]
+    assert main(["bag", "shadow", str(bag), "--repair", "rss", *given]) == 2
+    assert option in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

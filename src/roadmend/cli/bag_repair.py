@@ -28,7 +28,7 @@ from roadmend.recording.recorded_run import RECORD, read_plan, recorded_result
 from roadmend.recording.resimulation import Switchover
 from roadmend.recording.ticks import BagTicks
 from roadmend.repair.guard import GuardedRepairer
-from roadmend.repair.registry import METHOD_REGISTRY, make_repairer
+from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_repairer
 from roadmend.world.road_network import LaneMap
 from roadmend.world.runner import run_episode
 
@@ -41,13 +41,20 @@ class RepairChoice:
     parameters: dict[str, Any]
     seed: int
 
-    def make(self) -> GuardedRepairer:
-        """The method behind its guard.
+    def make(self, **guard: Any) -> GuardedRepairer:
+        """The method behind its guard; ``guard`` is what differs from that one's defaults.
 
         Raises:
             InputError: a parameter is unknown or out of range, or a model cannot be used.
         """
-        return make_repairer(self.method, self.parameters, self.seed)
+        return make_repairer(self.method, self.parameters, self.seed, guard)
+
+    def braking(self, full_brake: float) -> "RepairChoice":
+        """The choice for a vehicle with this deceleration at full brake [m/s2], where it says nothing else."""
+        found = METHOD_REGISTRY.find(self.method)
+        if found.label not in METHODS or "full_brake" not in found.entry.parameters.model_fields:
+            return self
+        return replace(self, parameters={"full_brake": full_brake} | self.parameters)
 
     def behind(self, policy: str) -> "RepairChoice":
         """The choice with the model and the settings that were made for a policy, where it says nothing else.

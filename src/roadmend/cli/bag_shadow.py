@@ -16,7 +16,6 @@ from roadmend.cli.output import Waiting, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
 from roadmend.recording.episode_writer import EpisodeWriter
-from roadmend.recording.foreign_commands import PEDALS
 from roadmend.recording.foreign_repair import Answer
 from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
 from roadmend.recording.new_bag import BagCopy, new_bag
@@ -51,6 +50,7 @@ def shadow(bag: Path, given: RepairOptions, foreign: ForeignBagOptions, out: Pat
     if foreign.topics is None:
         summary = shadow_bag(bag, choice, out)
     else:
+        choice = choice.braking(foreign.full_brake)
         summary = shadow_foreign_bag(bag, choice, foreign.topics, foreign, out)
     tell_choice(given, choice, driver)
     if as_json:
@@ -91,7 +91,7 @@ def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
 
 
 def shadow_foreign_bag(
-    bag: Path, choice: RepairChoice, topics_: ForeignTopics, ego: ForeignBagOptions, out: Path
+    bag: Path, choice: RepairChoice, topics_: ForeignTopics, given: ForeignBagOptions, out: Path
 ) -> ShadowSummary:
     """Write what a method would have done into a copy of a bag that another stack recorded.
 
@@ -103,7 +103,7 @@ def shadow_foreign_bag(
     topics_.by_input(reader)
     if any(name.startswith(f"/{SHADOW}/") for name in reader.topics):
         raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
-    repairer = choice.make()
+    repairer = choice.make(full_brake=given.full_brake)
     with new_bag(out) as writer, Waiting(f"{bag.name} · {choice.method}"):
         copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, f"/{SHADOW}")
 
@@ -111,7 +111,7 @@ def shadow_foreign_bag(
             copy.until(time_ns)
             episode.answer(time_ns, answer.stamp, answer.repair, choice.method)
 
-        summary = run_foreign_shadow(reader, topics_, repairer, ego.vehicle, PEDALS, write)
+        summary = run_foreign_shadow(reader, topics_, repairer, given.vehicle, given.pedals, write, given.input_timeout)
         copy.until(float("inf"))
         told = {"topics": json.dumps(asdict(topics_)), "summary": json.dumps(asdict(summary))}
         writer.add_metadata(SHADOW_RECORD, choice.provenance() | told)

@@ -4,6 +4,7 @@ from copy import copy
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, create_model, field_validator
+from pydantic.fields import FieldInfo
 
 
 class Parameters(BaseModel):
@@ -33,3 +34,8 @@ def with_defaults(model: type[AnyParameters], /, **defaults: Any) -> type[AnyPar
         info.default = default
         fields[name] = (info.annotation, info)
     return create_model(model.__name__, __base__=model, __module__=model.__module__, **fields)
+
+
+def bound_of(info: FieldInfo, name: str) -> float | None:
+    """A bound of a field: what its constraints give under ``ge`` or ``le``."""
+    return next((getattr(entry, name) for entry in info.metadata if getattr(entry, name, None) is not None), None)

@@ -6,52 +6,26 @@ from collections.abc import Callable
 from typing import Any
 
 from nav_msgs.msg import Odometry
-from pydantic import Field
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from roadmend_msgs import msg
 
 from roadmend.core.errors import InputError
-from roadmend.core.parameters import Parameters
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.recording import foreign_repair, messages, topics
 from roadmend.recording.codec import MessageType
-from roadmend.recording.foreign_commands import COMMAND_FORMS, PEDALS, Pedals
-from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
+from roadmend.recording.foreign_commands import COMMAND_FORMS
+from roadmend.recording.foreign_objects import OBJECT_READERS
+from roadmend.recording.foreign_parameters import ForeignParameters
 from roadmend.recording.foreign_repair import Answer, ForeignRepair
 from roadmend.repair.guard import GuardedRepairer
-from roadmend.repair.parameters import FullBrake
 
 DISCOVERY_PERIOD_S = 0.2  # [s] of wall time between two looks at the graph
 WATCH_PERIOD_S = 0.01  # [s] between two looks at the ages of what has arrived
 REPEAT_S = 0.05  # [s] between two stop commands while the command is late
 NAMED_AFTER_S = 2.0  # [s] after which people are told what is missing
 DEPTH = 5  # messages of a topic that may wait for this node
-
-
-class ForeignParameters(Parameters):
-    """Parameters of inputs from another stack, read once at start."""
-
-    objects_type: str = Field(
-        messages.OBJECTS.name, description=f"type of the topic objects: {' or '.join(OBJECT_READERS)}"
-    )
-    command_type: str = Field(
-        messages.COMMAND.name,
-        description=f"type of the topics policy/command and repair/command: {' or '.join(COMMAND_FORMS)}",
-    )
-    ego_length: float = Field(messages.EGO_SIZE[0], ge=0.1, le=60.0, description="of the ego's outline [m]")
-    ego_width: float = Field(messages.EGO_SIZE[1], ge=0.1, le=10.0, description="of the ego's outline [m]")
-    ego_centre: float = Field(
-        0.0, ge=-30.0, le=30.0, description="centre of the outline, ahead of the frame that odometry is about [m]"
-    )
-    full_throttle: float = Field(
-        PEDALS.full_throttle,
-        ge=0.1,
-        le=20.0,
-        description="acceleration at full throttle, where commands are accelerations [m/s2]",
-    )
-    full_brake: FullBrake = PEDALS.full_brake
 
 
 class _Input:
@@ -81,11 +55,9 @@ class ForeignInputs:
         self, node: Node, settings: ForeignParameters, patience: float, send: Callable[[Answer], None]
     ) -> None:
         reader = _find("objects_type", settings.objects_type, OBJECT_READERS)()
-        pedals = Pedals(settings.full_throttle, settings.full_brake)
-        self._form = _find("command_type", settings.command_type, COMMAND_FORMS)(pedals)
+        self._form = _find("command_type", settings.command_type, COMMAND_FORMS)(settings.pedals)
         self._node, self._send = node, send
-        vehicle = EgoOutline(settings.ego_length, settings.ego_width, settings.ego_centre)
-        self._repair = ForeignRepair(vehicle, reader, self._form, patience)
+        self._repair = ForeignRepair(settings.outline, reader, self._form, patience)
         self.command_kind = look_up("command_type", [settings.command_type])[1]
         objects, objects_kind = MessageType(reader.type_name), look_up("objects_type", [reader.type_name])[1]
         take = self._repair

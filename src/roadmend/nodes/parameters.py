@@ -10,7 +10,7 @@ from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValu
 from rclpy.node import Node
 
 from roadmend.core.errors import InputError
-from roadmend.core.parameters import AnyParameters, Parameters, with_defaults
+from roadmend.core.parameters import AnyParameters, Parameters, bound_of, with_defaults
 from roadmend.core.registry import Entry, Found, Registry
 
 
@@ -168,14 +168,9 @@ def declare_field(node: Node, name: str, info: FieldInfo, choices: Sequence[str]
         name,
         (list(default) or [""]) if is_list else default,  # ROS takes an empty list for one of no type
         info.description or name,
-        low=_bound(info, "ge") if is_number else None,
-        high=_bound(info, "le") if is_number else None,
+        low=bound_of(info, "ge") if is_number else None,
+        high=bound_of(info, "le") if is_number else None,
         choices=choices or (get_args(info.annotation) if get_origin(info.annotation) is Literal else ()),
         read_only=is_fixed,
     )
     return tuple(filter(None, value or ())) if is_list else value  # an empty list comes as None
-
-
-def _bound(info: FieldInfo, name: str) -> float | None:
-    """A bound of a field: what its constraints give under ``ge`` or ``le``."""
-    return next((getattr(entry, name) for entry in info.metadata if getattr(entry, name, None) is not None), None)

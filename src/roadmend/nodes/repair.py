@@ -26,7 +26,7 @@ from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
 from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.foreign_inputs import ForeignInputs, ForeignParameters
+from roadmend.nodes.foreign_inputs import ForeignInputs
 from roadmend.nodes.frame_check import FrameCheck
 from roadmend.nodes.inputs import COMMAND
 from roadmend.nodes.lifecycle import SteadyLifecycleNode
@@ -39,6 +39,7 @@ from roadmend.nodes.tick_parts import TickParts, scene_of
 from roadmend.nodes.writer_gate import GatedInput
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
+from roadmend.recording.foreign_parameters import ForeignParameters
 from roadmend.recording.foreign_repair import Answer
 from roadmend.repair.assumed_motion import AssumedMotion
 from roadmend.repair.guard import GuardedRepairer

@@ -7,9 +7,9 @@ from pydantic import Field
 
 from roadmend.core.command_age import CommandAge
 from roadmend.core.parameters import Parameters
+from roadmend.recording.foreign_parameters import PATIENCE_MAX_S, PATIENCE_S
 from roadmend.repair.registry import METHOD_REGISTRY
 
-NEWEST_TIMEOUT_S = 0.3  # [s] patience with inputs of another stack: three messages at 10 Hz
 REALTIME_BUDGET_S = 0.03  # [s] for a method's tick
 
 
@@ -42,7 +42,7 @@ class RepairNodeParameters(Parameters):
     input_timeout: float = Field(
         0.0,
         ge=0.0,
-        le=60.0,
+        le=PATIENCE_MAX_S,
         description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.3 where the newest "
         "inputs count, in real time 0.04 or 0.8 ticks, the longer; in real time never longer than 2 ticks",
     )
@@ -85,4 +85,4 @@ class Times:
         is_lockstep = settings.clock == "lockstep" and not is_newest
         ages = CommandAge(is_lockstep, settings.rate, settings.input_timeout)
         budget = settings.time_budget or (None if is_lockstep else REALTIME_BUDGET_S)
-        return cls(is_lockstep, settings.input_timeout or NEWEST_TIMEOUT_S, ages, budget)
+        return cls(is_lockstep, settings.input_timeout or PATIENCE_S, ages, budget)

@@ -11,6 +11,7 @@ from roadmend.core.repair import Repair
 from roadmend.recording import foreign_repair, messages
 from roadmend.recording.foreign_commands import COMMAND_FORMS, Pedals
 from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
+from roadmend.recording.foreign_parameters import PATIENCE_S
 from roadmend.recording.foreign_repair import Answer, ForeignRepair
 from roadmend.recording.reader import BagReader
 from roadmend.recording.shadow import ShadowComparison, ShadowSummary
@@ -18,7 +19,6 @@ from roadmend.recording.ticks import LATE_NS
 from roadmend.recording.topics import REPAIR_STATE, TYPES, own
 from roadmend.repair.guard import GuardedRepairer
 
-PATIENCE_S = 0.3  # [s] of the bag's time after which an input counts as late
 _TYPES = {  # of each input: those that can be read
     foreign_repair.EGO: (messages.EGO.name,),
     foreign_repair.OBJECTS: tuple(OBJECT_READERS),
@@ -87,6 +87,7 @@ def run_foreign_shadow(
     vehicle: EgoOutline,
     pedals: Pedals,
     watcher: Callable[[int, Answer], None] = lambda _time, _answer: None,
+    patience: float = PATIENCE_S,
 ) -> ShadowSummary:
     """Let a method judge every recorded command, with the newest odometry and objects before it in the bag.
 
@@ -100,6 +101,7 @@ def run_foreign_shadow(
         vehicle: what odometry does not tell.
         pedals: what its pedals do, where commands are accelerations.
         watcher: called with the log time [ns] of each command and the answer to it.
+        patience: [s] of the bag's time after which an input counts as late.
 
     Raises:
         InputError: a topic is missing or of the wrong type, the bag is corrupt, or holds no command.
@@ -107,7 +109,7 @@ def run_foreign_shadow(
     found = topics.by_input(reader)
     kinds = {name: reader.topics[topic].type_name for name, topic in found.items()}
     form = COMMAND_FORMS[kinds[foreign_repair.COMMAND]](pedals)
-    repair = ForeignRepair(vehicle, OBJECT_READERS[kinds[foreign_repair.OBJECTS]](), form, PATIENCE_S)
+    repair = ForeignRepair(vehicle, OBJECT_READERS[kinds[foreign_repair.OBJECTS]](), form, patience)
     repair.use(repairer)
     comparison, speed = ShadowComparison(), 0.0
     states = state_topics(reader)
