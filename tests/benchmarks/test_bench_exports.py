@@ -45,14 +45,26 @@ def test_a_file_that_does_not_open_counts_with_its_reason(measured, monkeypatch)
     assert figures["problems"] == ["KeyError: 'lane'"]
 
 
-@pytest.mark.parametrize(("turn", "right"), [(-60.0, True), (60.0, True), (50.0, False), (0.0, False)])
-def test_a_bend_is_right_where_it_turns_as_it_was_built(turn, right):
-    network = OpenRoadNetwork(bend=-60.0, radius=200.0)
+@pytest.mark.parametrize(
+    ("heading", "turn", "right"),
+    [
+        (90.0, -60.0, True),
+        (-150.0, 60.0, True),  # against it
+        (210.0, 60.0, True),
+        (90.0, 60.0, False),  # to the other side
+        (-150.0, -60.0, False),
+        (90.0, -50.0, False),
+        (90.0, 0.0, False),
+        (0.0, -60.0, False),
+    ],
+)
+def test_a_bend_is_right_where_it_turns_as_it_was_built(heading, turn, right):
+    network = OpenRoadNetwork(bend=-60.0, radius=200.0, bearing=90.0)
     told = SimpleNamespace(road_type=bench_exports.RoadType.CURVE)
-    assert bench_exports._is_bend_right([turn, turn], network, told, 1.0) is right
+    assert bench_exports._is_bend_right([(90.0, -60.0), (heading, turn)], network, told, 1.0) is right
 
 
 def test_a_bent_road_is_not_right_where_the_report_has_a_straight_one():
     told = SimpleNamespace(road_type=bench_exports.RoadType.STRAIGHT)
     network = OpenRoadNetwork(bend=-60.0, radius=200.0)
-    assert not bench_exports._is_bend_right([60.0], network, told, 1.0)
+    assert not bench_exports._is_bend_right([(network.bearing, -60.0)], network, told, 1.0)

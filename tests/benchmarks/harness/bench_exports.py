@@ -115,7 +115,7 @@ def _by_pyxodr(path: Path, scenario: Scenario, told: DescribedRoadNetwork) -> Se
     network = scenario.network
     if isinstance(network, OpenRoadNetwork):
         found["lanes"] = sum(road.lanes for road in roads) == network.lanes + network.backward_lanes
-        found["bend"] = _is_bend_right([road.turn for road in roads], network, told, _TURN)
+        found["bend"] = _is_bend_right([(road.heading, road.turn) for road in roads], network, told, _TURN)
         if told.lanes is not None:
             found["lanes_as_told"] = sum(road.lanes for road in roads) == told.lanes
     elif isinstance(network, IntersectionNetwork):
@@ -130,18 +130,36 @@ def _by_commonroad(path: Path, scenario: Scenario, told: DescribedRoadNetwork) -
     found: Seen = {} if lines else {"opened": False, "problem": "no lanelet"}
     network = scenario.network
     if lines and isinstance(network, OpenRoadNetwork):
-        turns = [outside_readers.headings(line)[1] for line in lines]
         found["lanes"] = len(lines) == network.lanes + network.backward_lanes
-        found["bend"] = _is_bend_right(turns, network, told, _COARSE_TURN)
+        found["bend"] = _is_bend_right([*map(outside_readers.headings, lines)], network, told, _COARSE_TURN)
         if told.lanes is not None:
             found["lanes_as_told"] = len(lines) == told.lanes
     return found
 
 
-def _is_bend_right(turns: Sequence[float], network: OpenRoadNetwork, told: DescribedRoadNetwork, within: float) -> bool:
-    """Whether every line turns as the road was built, and the road is straight where the report says so."""
-    as_built = all(abs(abs(turn) - abs(network.bend)) <= within for turn in turns)
-    is_bent = max(abs(turn) for turn in turns) > _BENT
+def _is_bend_right(
+    ways: Sequence[tuple[float, float]], network: OpenRoadNetwork, told: DescribedRoadNetwork, within: float
+) -> bool:
+    """Whether every line turns as the road was built, and the road is straight where the report says so.
+
+    A line runs along the road or against it; which of them says the heading where it begins, and so to which side it
+    must turn: a bend that is mirrored has the right angle.
+
+    Args:
+        ways: of each line the heading where it begins and the turn to its end [deg], left is positive.
+        network: as it was built.
+        told: as the report has it.
+        within: by how much both may differ [deg].
+    """
+    built = ((network.bearing, network.bend), (network.bearing + network.bend + 180.0, -network.bend))
+    as_built = all(
+        any(
+            abs((heading - begin + 180.0) % 360.0 - 180.0) <= within and abs(turn - bend) <= within
+            for begin, bend in built
+        )
+        for heading, turn in ways
+    )
+    is_bent = max(abs(turn) for _, turn in ways) > _BENT
     return as_built and is_bent is (told.road_type is RoadType.CURVE)
 
 
