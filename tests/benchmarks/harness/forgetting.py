@@ -2,8 +2,8 @@
 
 Those that went well were chosen by what the old policy made of them, luck included, so that whoever drives them again can
 only lose. They are driven twice more by both policies with other random numbers for SUMO's drivers. These change how much
-the others dawdle and nothing else, so this takes out the luck of that, and not all luck: the ordinary scenarios as a whole,
-which nobody chose, are the unbiased measure.
+the others dawdle and nothing else, so this takes out the luck of that, which is next to none: the old policy reproduces nearly
+all of its successes. The ordinary scenarios as a whole, which nobody chose, are the unbiased measure.
 """
 
 from collections.abc import Sequence
