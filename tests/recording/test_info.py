@@ -1,6 +1,7 @@
 """What is said about bags, whole and cut."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from roadmend.recording.reader import BagReader
 from roadmend.recording.rhythm import Rhythm
 from roadmend.recording.writer import BagWriter
 
+SAMPLES = Path(__file__).parents[2] / "bags" / "samples"
 TICK = 50_000_000
 NUMBERS = {"uint32": np.uint32, "float64": np.float64}
 LATCHED = Qos(depth=1, durability="transient_local")
@@ -129,6 +131,46 @@ def test_a_shadow_alone_is_no_intervention_that_happened(tmp_path):
     assert info.interventions is None
     assert info.spells == ()
     assert state_topics(BagReader(tmp_path / "shadow")) == []
+
+
+@pytest.mark.parametrize("name", ["collision", "repaired", "faults"])
+def test_it_counts_the_ticks_that_the_spells_are_of(name):
+    info = bag_info(SAMPLES / name)
+    assert info.interventions.interventions == sum(account.spell.ticks for account in info.spells)
+    assert info.interventions.spells == len(info.spells)
+
+
+def test_a_stamp_that_is_answered_twice_is_one_tick_and_a_final_one_is_none(tmp_path):
+    make = Maker()
+    with BagWriter(tmp_path / "bag") as writer:
+        writer.add_topic("/repair/state", STATE)
+        writer.add_topic("/events", EVENT)
+        for tick in (0, 1, 1, 2):
+            writer.write("/repair/state", tick * TICK, make(STATE, header=make.header(tick), intervened=True))
+        end = make(EVENT, header=make.header(2), kind=EventKind.GOAL, text="there")
+        writer.write("/events", 2 * TICK, end)
+    acts = bag_info(tmp_path / "bag").interventions
+    assert (acts.ticks, acts.interventions, acts.spells) == (2, 2, 1)
+
+
+def test_states_under_another_name_count_as_well(tmp_path):
+    make = Maker()
+    with BagWriter(tmp_path / "bag") as writer:
+        writer.add_topic("/why", STATE)
+        writer.write("/why", 0, make(STATE, header=make.header(0), intervened=True))
+    info = bag_info(tmp_path / "bag")
+    assert info.interventions.interventions == len(info.spells) == 1
+
+
+def test_what_a_further_file_repeats_is_counted_once_as_the_reader_does(split_corpus):
+    folder, written = split_corpus
+    info = bag_info(folder)
+    assert len(info.files) > 2
+    assert info.complete
+    assert info.messages == BagReader(folder).count == len(written)
+    assert {topic.name: topic.count for topic in info.topics if topic.latched} == {"/route": 1}
+    (folder / info.files[0]).unlink()  # then what the next one repeats is all that there is
+    assert next(topic.count for topic in bag_info(folder).topics if topic.latched) == 1
 
 
 @pytest.mark.parametrize("name", ["episode_0.mcap", "metadata.yaml"])

@@ -2,22 +2,21 @@
 
 import contextlib
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.core.repair import RepairStatus
 from roadmend.core.spell_account import SpellAccount
 from roadmend.recording.codec import Codec
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import REPEATED
-from roadmend.recording.recovery import files_left
+from roadmend.recording.recovery import files_left, repeats_of, takers_of
 from roadmend.recording.rhythm import Rhythm
 from roadmend.recording.scan import Item, NamedTexts, Scan, ScannedMessage, ScannedTopic
-from roadmend.recording.spell_scan import SpellScan
-from roadmend.recording.topics import EVENTS, REPAIR_STATE, TYPES, own
+from roadmend.recording.spell_scan import InterventionSummary, SpellScan
+from roadmend.recording.topics import EVENTS, REPAIR_STATE, TYPES
 
 _RECORD = "roadmend"  # metadata that the recorder writes
 _HIDDEN = {"rosbag2", REPEATED}  # metadata that repeat what the rest of the information says
@@ -37,26 +36,6 @@ class TopicInfo:
     longest_gap_at: float | None  # [s]
     out_of_order: int  # messages older than the one before
     latched: bool
-
-
-@dataclass(slots=True)
-class InterventionSummary:
-    """What the repair node did."""
-
-    ticks: int = 0
-    interventions: int = 0  # ticks at which the command was changed
-    spells: int = 0  # uninterrupted runs of these
-    states: dict[str, int] = field(default_factory=dict)  # ticks by state
-    _last: bool = False
-
-    def add(self, state: int, *, intervened: bool) -> None:
-        """Count one tick."""
-        self.ticks += 1
-        self.interventions += intervened
-        self.spells += intervened and not self._last
-        self._last = intervened
-        name = RepairStatus(state).name if state in set(RepairStatus) else str(state)
-        self.states[name] = self.states.get(name, 0) + 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,8 +78,9 @@ def bag_info(path: Path, advance: Callable[[int], None] = lambda _count: None) -
     """
     files, missing = files_left(path)
     reading = _Reading()
-    for file in files:
+    for place, file in enumerate(files):
         scan = Scan(file, advance)
+        reading.begin(file, place)
         try:
             for item in scan:
                 reading.take(item)
@@ -121,21 +101,40 @@ class _Reading:
         self._topics: dict[str, ScannedTopic] = {}
         self._metadata: dict[str, dict[str, str]] = {}
         self._attachments: dict[str, int] = {}
-        self._repairs: dict[str, InterventionSummary] = {}  # by topic
+        self._claimed: dict[str, Callable[[int, int], bool]] = {}  # by topic, what the file says of repeated messages
+        self._is_further = False
+        self._seen: set[tuple[str, int]] = set()  # topics and numbers of messages that a further file may repeat
         self._outcome: tuple[str, str] | None = None  # with its text, as the events tell it
         self._codec = Codec()
         self._spells = SpellScan(self._codec)
 
+    def begin(self, file: Path, place: int) -> None:
+        """Take in what a file's index tells; one that stands first repeats nothing that can be read."""
+        self._is_further = place > 0
+        self._claimed = repeats_of(file) if self._is_further else {}
+
     def take(self, item: Item) -> None:
         if isinstance(item, NamedTexts):
             self._metadata.setdefault(item.name, {}).update(item.values)
+            if item.name == REPEATED and self._is_further:
+                self._claimed = self._claimed or takers_of(item.values)
         elif isinstance(item, Attachment):
             self._attachments[item.name] = len(item.data)
-        else:
+        elif not self._is_repeat(item):
             self._rhythms.setdefault(item.topic.name, Rhythm()).add(item.time_ns)
             self._topics[item.topic.name] = item.topic
             with contextlib.suppress(ValueError, AttributeError):  # it, or its definition, was altered on the disk
                 self._look_into(item)
+
+    def _is_repeat(self, item: ScannedMessage) -> bool:
+        """Whether an earlier file has the message, as ``BagReader`` asks: what is lost there counts here."""
+        if not any(offer.is_latched for offer in item.topic.offers):
+            return False
+        key = (item.topic.name, item.sequence)
+        claim = self._claimed.get(item.topic.name)
+        is_repeat = claim is not None and claim(item.time_ns, item.sequence) and key in self._seen
+        self._seen.add(key)
+        return is_repeat
 
     def _look_into(self, item: ScannedMessage) -> None:
         if item.topic.definition.type_name not in {TYPES[REPAIR_STATE], TYPES[EVENTS]}:
@@ -144,8 +143,6 @@ class _Reading:
         value = self._codec.decode(item.topic.definition, item.data)
         self._spells.take(item, value)
         if item.topic.definition.type_name == TYPES[REPAIR_STATE]:
-            summary = self._repairs.setdefault(item.topic.name, InterventionSummary())
-            summary.add(int(value.state), intervened=bool(value.intervened))
             return
         if value.kind in set(EventKind) and EventKind(value.kind).is_final:
             self._outcome = EventKind(value.kind).name, value.text
@@ -155,7 +152,6 @@ class _Reading:
     def info(self, path: Path, files: list[Path], missing: list[str]) -> BagInfo:
         noted = self._metadata.get(_RECORD, {})
         outcome, text = self._outcome or (noted.get("outcome", ""), noted.get("outcome_text", ""))
-        repaired = own(self._repairs)
         return BagInfo(
             bag=str(path),
             complete=not missing,
@@ -167,7 +163,7 @@ class _Reading:
             end=max((rhythm.end_ns / SECOND for rhythm in self._rhythms.values()), default=None),
             outcome=outcome,
             outcome_text=text,
-            interventions=None if repaired is None else self._repairs[repaired],
+            interventions=self._spells.summary(),
             spells=self._spells.accounts(),
             topics=[self._topic(name) for name in sorted(self._rhythms)],
             metadata={name: values for name, values in self._metadata.items() if name not in _HIDDEN},

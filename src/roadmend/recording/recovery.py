@@ -128,13 +128,13 @@ class _Copying:
         """
         scan = Scan(file, advance)
         announced: set[str] = set()
-        claimed = _told_by_index(file)
+        claimed = repeats_of(file)
         repeated: dict[str, list[ScannedMessage]] = {}
         try:
             for item in scan:
                 if isinstance(item, NamedTexts):
                     if item.name == layout.REPEATED:
-                        claimed = claimed or _takers(item.values)
+                        claimed = claimed or takers_of(item.values)
                     elif item.name != _INSIDE:
                         self._writer.add_metadata(item.name, item.values)
                 elif isinstance(item, Attachment):
@@ -171,16 +171,16 @@ class _Copying:
         return is_repeat
 
 
-def _told_by_index(file: Path) -> dict[str, Callable[[int, int], bool]]:
-    """What a file's index says of repeated messages: one that was recovered tells of them behind them."""
+def repeats_of(file: Path) -> dict[str, Callable[[int, int], bool]]:
+    """By topic, what a file's index says of messages that repeat earlier ones: a recovered one tells of them behind them."""
     with contextlib.suppress(InputError, *CORRUPT), open_regular(file) as stream:
         for record in McapFile(stream, str(file), is_lenient=True).metadata():
             if record.name == layout.REPEATED:
-                return _takers(record.metadata)
+                return takers_of(record.metadata)
     return {}
 
 
-def _takers(values: Mapping[str, str]) -> dict[str, Callable[[int, int], bool]]:
+def takers_of(values: Mapping[str, str]) -> dict[str, Callable[[int, int], bool]]:
     """By topic, what tells the messages that repeat earlier ones, as a file has it; nothing where it is damaged."""
     takers = {}
     for topic, text in values.items():
