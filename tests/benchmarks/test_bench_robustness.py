@@ -8,10 +8,10 @@ from roadmend.search.evaluation import parameters_digest
 from tests.search.toy import made_up
 
 
-def toy(subject, parameters, repair=None):
+def toy(subject, point, repair=None):
     """Every point whose digest begins with a small digit collides."""
     assert not repair
-    digest = parameters_digest(parameters)
+    digest = parameters_digest(point.parameters)
     outcome = "COLLISION" if digest[0] in "0123" else "GOAL"
     return made_up(outcome, digest, 0.0 if outcome == "COLLISION" else -5.0, (0.5,) * 8)
 

@@ -8,7 +8,7 @@ from roadmend.core.errors import ForeignError, InputError, RoadmendError, Simula
 from roadmend.core.journal import Journal
 from roadmend.search import persistence, rerun
 from roadmend.search.attempt import Attempt, fault_of
-from roadmend.search.evaluation import Subject, evaluate
+from roadmend.search.evaluation import NamedPoint, Subject, evaluate
 from roadmend.search.persistence import PersistenceTeller
 from roadmend.search.rerun import Rerunner
 from roadmend.world.families import sample_scenario
@@ -37,7 +37,7 @@ def test_a_cache_that_cannot_be_written_ends_a_search(tmp_path, monkeypatch):
     subject = Subject("S3", "modular", "none", 77123)
     monkeypatch.setattr(Subject, "scenario", lambda *_: sample_scenario("S3", 77123))
     with pytest.raises(InputError, match="cannot be written"):
-        evaluate(subject, {})
+        evaluate(subject, NamedPoint("one", {}))
 
 
 @pytest.fixture

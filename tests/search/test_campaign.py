@@ -20,7 +20,7 @@ from roadmend.search.attempt import CRASH
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
 from roadmend.search.campaign import Campaign, run_campaign, summarise
 from roadmend.search.danger import CLOSING_WEIGHT, FARTHEST, HORIZON, Danger
-from roadmend.search.evaluation import BEST, CRASH_FITNESS, Subject, evaluate, evaluate_scenario
+from roadmend.search.evaluation import BEST, CRASH_FITNESS, NamedPoint, Subject, evaluate, evaluate_scenario
 from roadmend.search.ledger import Ledger
 from roadmend.search.registry import TECHNIQUES, read_technique_parameters
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -38,7 +38,7 @@ def plan(technique, family="S5", seed=1):
 
 def by_value(points):
     """Fitness from the point itself; every seventh or so collides."""
-    for point in points:
+    for _, point in points:
         value = sum(number for number in point.values() if isinstance(number, float)) % 7.0
         outcome = "COLLISION" if value < 1.0 else "GOAL"
         features = tuple(float(point[f"v{slot}.lane"]) for slot in range(6))
@@ -154,8 +154,22 @@ def test_a_violation_reproduces_from_its_file(tmp_path, monkeypatch):
     assert entry.evaluation.fitness == BEST
     again = load_scenario(tmp_path / entry.reproduction.scenario)
     assert entry.reproduction.command.split()[:4] == ["roadmend", "run", "--scenario", entry.reproduction.scenario]
-    again = again.model_copy(update={"name": "point"})
     assert evaluate_scenario(again, "modular", "none") == entry.evaluation
+
+
+def test_a_point_is_driven_under_the_name_of_its_file(tmp_path):
+    """A method that draws numbers goes by the name: under another one the file would show another drive."""
+    driven = []
+
+    def collide(points):
+        driven.extend(points)
+        return iter([made_up("COLLISION", name, BEST, ()) for name, _ in points])
+
+    first, more = search(tmp_path, "random", 2, collide), search(tmp_path, "random", 3, collide)
+    assert more[:2] == first
+    scenarios = [load_scenario(tmp_path / entry.reproduction.scenario) for entry in more]
+    assert [scenario.name for scenario in scenarios] == [point.name for point in driven]
+    assert scenarios == [plan("random").subject.scenario(point.parameters, point.name) for point in driven]
 
 
 @pytest.mark.parametrize("is_absolute", [False, True])
@@ -177,7 +191,7 @@ def test_a_model_file_of_the_callers_folder_is_found_from_the_searchs(tmp_path, 
 
 
 def test_a_point_that_cannot_be_run_is_a_result():
-    crashed = evaluate(Subject("S5", "modular", "none", 0), {"lanes": 2})
+    crashed = evaluate(Subject("S5", "modular", "none", 0), NamedPoint("one", {"lanes": 2}))
     assert (crashed.outcome, crashed.digest, crashed.fitness) == (CRASH, "", CRASH_FITNESS)
     assert "KeyError" in crashed.text
 

@@ -60,7 +60,7 @@ def world(monkeypatch):
 
     def evaluate(subject, point):
         counts["searched"] += 1
-        used = used_parameters(FAMILIES[subject.family].build, point, subject.seed)
+        used = used_parameters(FAMILIES[subject.family].build, point.parameters, subject.seed)
         outcome, digest = chance(subject.family, used, subject.seed)
         fitness = BEST if float(digest) < 0.2 else -float(digest)
         return made_up(outcome, digest, fitness, (float(digest),), blame_of(digest))

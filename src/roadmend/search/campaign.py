@@ -17,7 +17,7 @@ from roadmend.networks.checkpoint import SUFFIX
 from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.repair.registry import METHOD_REGISTRY
 from roadmend.search.attempt import CRASH
-from roadmend.search.evaluation import Evaluation, Subject, Trial
+from roadmend.search.evaluation import Evaluation, NamedPoint, Subject, Trial
 from roadmend.search.ledger import FOUND, Ledger, LedgerEntry, RerunCommand
 from roadmend.search.policy_model import policy_model
 from roadmend.search.registry import TECHNIQUE_REGISTRY, make_technique
@@ -26,7 +26,7 @@ from roadmend.world.families import FAMILY_REGISTRY, family_of
 from roadmend.world.scenario_file import outside_content, save_scenario
 from roadmend.world.space import Parameters
 
-Evaluate = Callable[[Sequence[Parameters]], Iterator[Evaluation]]
+Evaluate = Callable[[Sequence[NamedPoint]], Iterator[Evaluation]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +126,8 @@ def run_campaign(
         points = technique.propose()
         known = _known(campaign, ledger, start, points)
         fresh = points[known : budget - start]
-        for index, (point, evaluation) in enumerate(zip(fresh, evaluate(fresh), strict=True), start + known):
+        named = [NamedPoint(campaign.name(index), point) for index, point in enumerate(fresh, start + known)]
+        for index, (point, evaluation) in enumerate(zip(fresh, evaluate(named), strict=True), start + known):
             trial = Trial(point, evaluation)
             ledger.add(_entry(campaign, ledger, index, trial))
             report(ledger.entries[-1])

@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from roadmend.core.command import Decision
 from roadmend.core.repair import Repair
@@ -53,6 +53,13 @@ class Subject:
     def scenario(self, parameters: Parameters, name: str) -> Scenario:
         """The scenario that a point stands for."""
         return family_of(self.family).build(parameters, name, self.seed)
+
+
+class NamedPoint(NamedTuple):
+    """A point to evaluate, under the name with which its scenario is kept: methods that draw numbers go by that."""
+
+    name: str
+    parameters: Parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +122,7 @@ def evaluate_scenario(
     return Evaluation(result, "", fitness, behaviour.features())
 
 
-def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any] | None = None) -> Evaluation:
+def evaluate(subject: Subject, point: NamedPoint, repair: Mapping[str, Any] | None = None) -> Evaluation:
     """Build and run a point; an error that it causes is a result here, since the next search would meet it again.
 
     ``repair`` is what differs from what the repair method takes behind the policy.
@@ -124,7 +131,7 @@ def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any]
         RoadmendError: the machine failed, see ``fault_of``.
     """
     try:
-        scenario = subject.scenario(parameters, "point")
+        scenario = subject.scenario(point.parameters, point.name)
         return evaluate_scenario(scenario, subject.policy, subject.method, subject.repair | dict(repair or {}))
     except Exception as error:  # noqa: BLE001 - see above
         return Evaluation(None, fault_of(error), CRASH_FITNESS, (0.0,) * FEATURES)
