@@ -46,3 +46,33 @@ def test_of_a_clone_without_its_history_nothing_is_made_up(elsewhere, monkeypatc
     monkeypatch.setattr(result_files, "clone_folder", lambda: Path("/nowhere"))
     made = result_files.provenance("roadmend evaluate")
     assert (made["commit"], made["dirty"]) == ("unknown", False)
+
+
+@pytest.mark.parametrize(
+    ("name", "is_dirty"),
+    [
+        ("src/roadmend/new.py", True),
+        ("src/roadmend/old.py", True),
+        ("tests/benchmarks/bench_new.py", True),
+        ("tests/benchmarks/harness/old.py", True),
+        ("tests/benchmarks/crash_records/1.json", True),
+        ("tests/benchmarks/adreft.json", False),
+        ("tests/benchmarks/adreft-fresh.md", False),
+        ("tests/benchmarks/chart.svg", False),
+        ("README.md", False),
+        ("notes/new.py", False),
+    ],
+)
+def test_what_could_move_a_figure_makes_it_dirty_and_a_result_does_not(elsewhere, monkeypatch, name, is_dirty):
+    monkeypatch.setattr(result_files, "clone_folder", lambda: elsewhere)
+    for old in ("src/roadmend/old.py", "tests/benchmarks/harness/old.py", "tests/benchmarks/adreft.json", "README.md"):
+        (elsewhere / old).parent.mkdir(parents=True, exist_ok=True)
+        (elsewhere / old).write_text("as it was")
+    subprocess.run(["git", "add", "."], cwd=elsewhere, check=True)
+    subprocess.run(
+        ["git", "-c", "user.name=u", "-c", "user.email=u@u", "commit", "-qm", "m"], cwd=elsewhere, check=True
+    )
+    assert result_files.provenance("roadmend evaluate")["dirty"] is False
+    (elsewhere / name).parent.mkdir(parents=True, exist_ok=True)
+    (elsewhere / name).write_text("as it is")
+    assert result_files.provenance("roadmend evaluate")["dirty"] is is_dirty

@@ -14,21 +14,23 @@ from roadmend.core.resources import clone_folder
 from roadmend.core.whole_file import write_texts
 
 _UNKNOWN = "unknown"
+_SOURCES = ("src", "tests/benchmarks")  # in which a file counts before it is in a commit
+_RESULTS = [f":(exclude,glob)tests/benchmarks/*.{ending}" for ending in ("md", "json", "html", "png", "svg", "pdf")]
 
 
 def provenance(command: str) -> dict[str, Any]:
     """The command, the commit and the machine behind a figure.
 
-    The commit is that of roadmend, wherever the user stands: ``dirty`` says whether its files differ from it. Of an
-    installed package there is its version instead.
+    The commit is that of roadmend, wherever the user stands: ``dirty`` says whether its files differ from it, the harness
+    of the benchmarks and sources that are not in it yet among them, but not what benchmarks write. Of an installed package
+    there is its version instead.
     """
     root = clone_folder()
-    changes = ("status", "--porcelain", "--untracked-files=no", "--", ":!README.md", ":!tests/benchmarks")
     commit = _git(root, "rev-parse", "HEAD") if root else f"roadmend {__version__}"
     return {
         "command": command,
         "commit": commit,
-        "dirty": bool(root and commit != _UNKNOWN and _git(root, *changes)),
+        "dirty": bool(root and commit != _UNKNOWN and _is_changed(root)),
         "machine": {
             "processor": _processor(),
             "cores": os.cpu_count(),
@@ -79,6 +81,12 @@ def origin(made: Mapping[str, Any]) -> str:
 
 def _at(commit: str) -> str:
     return f"with {commit}" if commit.startswith("roadmend ") else f"at commit {commit[:12]}"
+
+
+def _is_changed(root: Path) -> bool:
+    """Whether anything that could move a figure differs from the commit."""
+    tracked = _git(root, "status", "--porcelain", "--untracked-files=no", "--", ".", ":!README.md", *_RESULTS)
+    return bool(tracked or _git(root, "status", "--porcelain", "--untracked-files=all", "--", *_SOURCES, *_RESULTS))
 
 
 def _git(root: Path, *arguments: str) -> str:
