@@ -169,8 +169,30 @@ def short_folder():
         yield Path(name)
 
 
+def test_a_termination_ends_the_runs_under_way_as_an_interrupt_does(tmp_path, monkeypatch, capsys):
+    file, started = tmp_path / "campaign.yaml", []
+    file.write_text(CAMPAIGN[: CAMPAIGN.index("files")])
+
+    def pretended(_campaign, _trial, graph):
+        words = [sys.executable, "-c", "import time; time.sleep(20)"]
+        started.append(subprocess.Popen(words, env={**os.environ, **graph}))
+        os.kill(os.getpid(), signal.SIGTERM)
+        started[-1].wait()
+
+    monkeypatch.setattr(command, "disturb", pretended)
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        assert main(["faults", "--config", str(file), "--out", str(tmp_path / "out")]) == 130
+        assert signal.getsignal(signal.SIGTERM) == signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert [child.returncode for child in started] == [-signal.SIGKILL]
+    assert "interrupted; what is finished is kept" in capsys.readouterr().err
+
+
 @pytest.mark.graph
-def test_an_interrupt_ends_the_runs_under_way(short_folder):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_runs_under_way(short_folder, number):
     tmp_path = short_folder
     file, out = tmp_path / "campaign.yaml", tmp_path / "out"
     file.write_text(CAMPAIGN.replace("seeds: 1", "seeds: 2").replace("[lockstep]", "[realtime]"))
@@ -182,7 +204,7 @@ def test_an_interrupt_ends_the_runs_under_way(short_folder):
         assert running.poll() is None
         assert time.monotonic() < until
         time.sleep(0.05)
-    running.send_signal(signal.SIGINT)
+    running.send_signal(number)
     said = running.communicate(timeout=60)[1].decode()
     assert running.returncode == 130, said
     assert "Traceback" not in said

@@ -1,10 +1,12 @@
 """``roadmend faults``: what the graph does when something in it breaks, and commands when a file is broken."""
 
 import json
+import signal
 import uuid
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -181,7 +183,7 @@ def _all_disturbed(
 ) -> Iterator[tuple[FaultTrial, Disturbed]]:
     """Runs and what came of them, in the order in which they end; those under way are ended with the caller."""
     token = uuid.uuid4().hex  # in the environment of all that this call starts
-    with ThreadPoolExecutor(parallel) as pool:
+    with _interrupted_by_termination(), ThreadPoolExecutor(parallel) as pool:
         tasks = {pool.submit(_disturbed, campaign, trial, token): trial for trial in trials}
         try:
             for task in as_completed(tasks):
@@ -190,6 +192,16 @@ def _all_disturbed(
             pool.shutdown(wait=False, cancel_futures=True)
             end_all(f"{_MARK}={token}")
             raise
+
+
+@contextmanager
+def _interrupted_by_termination() -> Iterator[None]:
+    """While this lasts, SIGTERM is an interrupt: by itself it would leave the graphs under way to their end."""
+    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, previous)
 
 
 def _disturbed(campaign: FaultCampaign, trial: FaultTrial, token: str) -> Disturbed:
