@@ -40,7 +40,7 @@ class ModularParameters(Parameters):
         2.0,
         ge=0.0,
         le=5.0,
-        description="who enters the lane within this counts as ahead, beyond 4 only where the ego yields to somebody [s]",
+        description="who enters the lane within this counts as ahead, beyond 4 only where the ego yields [s]",
     )
 
     # Behaviour: right of way
