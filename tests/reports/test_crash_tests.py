@@ -3,11 +3,15 @@
 from html.parser import HTMLParser
 from urllib.parse import unquote, urlsplit
 
+import pytest
+
+from roadmend.core.errors import InputError
 from roadmend.language.chat import Image
 from roadmend.reports.crash_tests import report_of_reproductions, report_of_tests
 from roadmend.safe.cases import CrashCase
 from roadmend.safe.crash_test_summary import summarise_reproductions, summarise_tests
 from roadmend.safe.driving import CrashTestResult
+from roadmend.safe.judging import JudgedRun
 from tests.measures.results import episode
 from tests.safe.crashes import crash, vehicle
 
@@ -88,3 +92,32 @@ def test_a_reproduction_has_its_own_table(tmp_path):
     files = report_of_reproductions(CASES, {"modular": summarise_reproductions(CASES, RESULTS)}, RESULTS, tmp_path)
     assert cells_of(files["reproduction.html"]).rows[0][:3] == ["policy", "reports", "reproduced"]
     assert "# Crashes reproduced" in files["reproduction.md"]
+
+
+def test_what_the_judge_says_stands_on_the_page_as_well(tmp_path):
+    judged = [
+        JudgedRun("head-on", 1, "modular", {"parts": "front <b>, not back"}),
+        JudgedRun("head-on", None, "modular", None, "no run"),
+    ]
+    tallies = {"modular": summarise_reproductions(CASES, RESULTS)}
+    files = report_of_reproductions(CASES, tallies, RESULTS, tmp_path, judged)
+    rows = cells_of(files["reproduction.html"]).rows
+    lines = [line for line in files["reproduction.md"].splitlines() if line.startswith("| ")]
+    told = [line for line in lines if line.startswith(("| policy | reports | run", "| report | vehicle | policy | by"))]
+    assert len(told) == 2
+    assert all(["| " + " | ".join(row) + " |" for row in rows].count(line) == 1 for line in told)
+    assert "<h2>By the records</h2>" in files["reproduction.html"]
+    assert ["head-on", "onlooker", "modular", "-", "no run"] in rows
+    assert "By the records" not in report_of_reproductions(CASES, tallies, RESULTS, tmp_path)["reproduction.html"]
+
+
+def test_a_sketch_never_goes_through_a_link_nor_is_left_half_written(tmp_path):
+    tallies = {"modular": summarise_tests(CASES, RESULTS)}
+    somebodys = tmp_path / "somebodys.png"
+    somebodys.write_bytes(b"theirs")
+    (tmp_path / "out" / "pictures").mkdir(parents=True)
+    (tmp_path / "out" / "pictures" / "sketch-head-on.png").symlink_to(somebodys)
+    with pytest.raises(InputError, match=r"sketch-head-on\.png: cannot be written \(a link or a device is there"):
+        report_of_tests(CASES, tallies, RESULTS, tmp_path / "out")
+    assert somebodys.read_bytes() == b"theirs"
+    assert [path.name for path in (tmp_path / "out" / "pictures").iterdir()] == ["sketch-head-on.png"]

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from roadmend.core.errors import InputError
 from roadmend.core.markdown import table_text
 from roadmend.core.tick import INTERVAL
 from roadmend.core.whole_file import written_beside
@@ -132,14 +131,17 @@ def report_of_reproductions(
         "The others drive as described and look out for nobody. Where one vehicle crashes alone, the policy looks on."
     )
     table = (REPRODUCTION_TITLES, *rows, *PAPER_REPRODUCTION)
-    files = _files("reproduction", "Crashes reproduced", intro, table, cases, results, out)
+    by_record: list[Sequence[Sequence[str]]] = []
     if judged:
         recorded = [run.report for run in judged if run.failed is not None]
         rows = [
             (policy, *judged_cells(summarise_judged([case.name for case in cases], recorded, _of(judged, policy))))
             for policy in tallies
         ]
-        tables = [table_text((JUDGED_TITLES, *rows)), table_text((JUDGED_RUN_TITLES, *map(_judged_row, judged)))]
+        by_record = [(JUDGED_TITLES, *rows), (JUDGED_RUN_TITLES, *map(_judged_row, judged))]
+    files = _files("reproduction", "Crashes reproduced", intro, table, cases, results, out, by_record)
+    if judged:
+        tables = map(table_text, by_record)
         files["reproduction.md"] += "\n" + "\n\n".join(["## By the records", *tables]) + "\n"
         files["judged.json"] = json.dumps([asdict(run) for run in judged], indent=1) + "\n"
     return files
@@ -184,6 +186,7 @@ def _files(
     cases: Sequence[CrashCase],
     results: Sequence[CrashTestResult],
     out: Path,
+    by_record: Sequence[Sequence[Sequence[str]]] = (),
 ) -> dict[str, str]:
     own: dict[str, list[CrashTestResult]] = {case.name: [] for case in cases}
     for result in results:
@@ -204,6 +207,7 @@ def _files(
         intro=intro,
         head=table[0],
         rows=table[1:],
+        by_record=[(each[0], each[1:]) for each in by_record],
         cases=[(case, _sketch(case, out), own[case.name], f"{PAGES}/{case.name}.html") for case in cases],
     )
     pages = {
@@ -224,9 +228,6 @@ def _sketch(case: CrashCase, out: Path) -> str:
     if case.sketch is None or case.sketch.media_type not in SHOWN:
         return ""
     name = f"{PICTURES}/sketch-{case.name}.{case.sketch.media_type.rpartition('/')[2]}"
-    try:
-        (out / PICTURES).mkdir(parents=True, exist_ok=True)
-        (out / name).write_bytes(case.sketch.data)
-    except OSError as error:
-        raise InputError(str(out), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+    with written_beside(out / name) as beside:
+        beside.write_bytes(case.sketch.data)
     return name
