@@ -142,3 +142,12 @@ def test_the_command_chooses_the_other_storage(corpus, tmp_path, monkeypatch, ca
     assert main(["bag", "convert", "corpus-sqlite3", "--out", "again"]) == 0
     assert main(["bag", "diff", str(corpus[0]), "again", "--exclude", ""]) == 0
     assert main(["bag", "convert", "again", "--to", "mcap"]) == 2
+
+
+def test_a_word_that_is_no_quality_of_service_is_refused_before_anything_is_written(tmp_path, make):
+    with BagWriter(tmp_path / "bag") as writer:
+        writer.add_topic("/text", "std_msgs/msg/String", [Qos(history="banana")])
+        writer.write("/text", 0, make.text("x"))
+    with pytest.raises(InputError, match="'banana' is no quality of service"):
+        convert(tmp_path / "bag", tmp_path / "new", "sqlite3")
+    assert not (tmp_path / "new").exists()

@@ -290,3 +290,20 @@ def test_a_stamp_is_read_without_decoding():
 def test_other_bytes_are_refused(data):
     with pytest.raises(ValueError, match="the bytes are no nav_msgs/msg/Odometry"):
         messages.EGO.decode(data)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"lane_kind": np.ones(1, np.uint8)}, "differ in length"),
+        ({"lane_width": np.ones(1, np.float32)}, "differ in length"),
+        ({"y": np.zeros(3)}, "differ in length"),
+        ({"lane_begin": np.array([0, 9], np.uint32)}, "do not follow one another"),
+        ({"lane_begin": np.array([3, 2], np.uint32)}, "do not follow one another"),
+    ],
+)
+def test_a_map_whose_arrays_do_not_fit_is_refused(changed, words):
+    lanes = LaneMap(np.array([0, 2]), np.ones(2, np.uint8), np.full(2, 3.0), np.zeros(4), np.zeros(4))
+    message = dataclasses.replace(messages.map_message_of(lanes, header()), **changed)
+    with pytest.raises(ValueError, match=words):
+        messages.lanes_of(message)

@@ -53,9 +53,27 @@ def test_a_film_is_kept_beside_its_picture(scenario, tmp_path):
     assert load_film(path) == json.loads(json.dumps(film))
 
 
-@pytest.mark.parametrize("text", [None, "", "{", "[]", '{"format": "other"}'])
+@pytest.mark.parametrize("text", [None, "", "{", "[]", '{"format": "other"}', '{"format": "roadmend-crash-film/1"}'])
 def test_what_is_no_film_is_none(tmp_path, text):
     path = tmp_path / "a.film.json"
     if text is not None:
         path.write_text(text)
+    assert load_film(path) is None
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"frames": []},
+        {"frames": [[0.0, []]]},
+        {"frames": [[0.0, [[0.0, 0.0, 0.0, 0.0]]]]},
+        {"frames": [[float("nan"), [None]]]},
+        {"vehicles": [{"name": "v1"}]},
+        {"lanes": [{"kind": "road", "width": 3.0, "points": [1.0]}]},
+        {"text": 3},
+    ],
+)
+def test_a_film_that_was_altered_is_none(scenario, tmp_path, changed):
+    path = tmp_path / "a.film.json"
+    path.write_text(json.dumps({**film_of_start(scenario), **changed}))
     assert load_film(path) is None

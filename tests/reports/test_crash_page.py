@@ -139,7 +139,21 @@ def test_the_account_of_a_kept_extraction_is_that_of_a_fresh_one(tmp_path):
     assert kept == fresh
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"fields": 3, "sketch": "", "notes": []}'])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        '{"fields": 3, "sketch": "", "notes": []}',
+        '{"fields": {}, "sketch": "", "notes": [3]}',
+        *(
+            f'{{"fields": {{"road_type": {{"value": "Curve", "confidence": 0.5, {changed}}}}}, "sketch": "", "notes": []}}'
+            for changed in ('"reason": 1', '"reason": "", "span": [1]', '"reason": "", "doubts": "none"')
+        ),
+        '{"fields": {"road_type": {"value": "Curve", "confidence": "high"}}, "sketch": "", "notes": []}',
+    ],
+)
 def test_a_broken_evidence_file_is_one_line(tmp_path, text):
     (tmp_path / "case.evidence.json").write_text(text)
     with pytest.raises(InputError, match=r"case\.evidence\.json"):

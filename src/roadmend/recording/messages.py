@@ -373,14 +373,18 @@ def map_message_of(lanes: LaneMap, header: Any) -> Any:
 
 @_told
 def lanes_of(message: Any) -> LaneMap:
-    """The road network."""
-    return LaneMap(
-        np.array(message.lane_begin, dtype=np.int64),
-        np.array(message.lane_kind, dtype=np.uint8),
-        floats_of(message.lane_width),
-        floats_of(message.x),
-        floats_of(message.y),
-    )
+    """The road network.
+
+    Raises:
+        ValueError: the arrays do not fit together.
+    """
+    begin, kind = np.array(message.lane_begin, dtype=np.int64), np.array(message.lane_kind, dtype=np.uint8)
+    width, x, y = (floats_of(values) for values in (message.lane_width, message.x, message.y))
+    if not len(begin) == len(kind) == len(width) or len(x) != len(y):
+        raise ValueError("map: the arrays of its lanes or of its points differ in length")
+    if np.any(np.diff(begin, prepend=0, append=len(x)) < 0):
+        raise ValueError("map: its lanes do not follow one another")
+    return LaneMap(begin, kind, width, x, y)
 
 
 def floats_of(values: Any) -> Floats:

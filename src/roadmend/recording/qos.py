@@ -127,7 +127,11 @@ def load(text: str) -> tuple[Qos, ...]:
 
 
 def _name(policy: str | int, numbered: type[Enum]) -> str:
-    return numbered(policy).name.lower() if isinstance(policy, int) else str(policy)
+    if isinstance(policy, int):
+        return numbered(policy).name.lower()
+    if str(policy).upper() not in numbered.__members__ or str(policy) != str(policy).lower():
+        raise ValueError(f"{str(policy)[:40]!r} is no quality of service")
+    return str(policy)
 
 
 def _parts(nanoseconds: int) -> dict[str, int]:

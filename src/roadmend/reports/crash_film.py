@@ -3,7 +3,9 @@
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from roadmend.core.bounds import TEXT
 from roadmend.core.errors import InputError
@@ -18,10 +20,40 @@ from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import Simulation
 
 ENDING = ".film.json"
-_FORMAT = "roadmend-crash-film/1"
+_FORMAT: Literal["roadmend-crash-film/1"] = "roadmend-crash-film/1"
 _EVERY = 2  # ticks a frame: 10 a second
 _REACH = 400.0  # [m] from the vehicles, beyond which no lane is drawn
 _KINDS = {LaneKind.WALK: "walk", LaneKind.ROAD: "road", LaneKind.JUNCTION: "junction"}
+
+
+class _Part(BaseModel):
+    """What is read from a file that may have been altered."""
+
+    model_config = ConfigDict(allow_inf_nan=False)
+
+
+class _Vehicle(_Part):
+    name: str
+    length: float
+    width: float
+
+
+class _Lane(_Part):
+    kind: str
+    width: float
+    points: list[tuple[float, float]]
+
+
+class _Played(_Part):
+    """What the page that plays a film asks of it."""
+
+    format: Literal["roadmend-crash-film/1"]
+    scenario: str
+    text: str
+    collided: bool
+    vehicles: list[_Vehicle]
+    frames: list[tuple[float, list[tuple[float, float, float] | None]]] = Field(min_length=1)
+    lanes: list[_Lane]
 
 
 def film_of(scenario: Scenario, film: Film, *, collided: bool, text: str) -> dict[str, Any]:
@@ -98,9 +130,10 @@ def load_film(path: Path) -> dict[str, Any] | None:
     """A film; None where there is none that can be played."""
     try:
         film = read_json(path, TEXT)
-    except InputError:
+        played = _Played.model_validate(film)
+    except (InputError, ValidationError):
         return None
-    return film if isinstance(film, dict) and film.get("format") == _FORMAT else None
+    return film if all(len(places) == len(played.vehicles) for _, places in played.frames) else None
 
 
 def _pose(x: float, y: float, yaw: float) -> list[float]:

@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel, ConfigDict, Field
+
 from roadmend.core.appearance import VEHICLE_COLOURS
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.extras import extra_missing
@@ -21,6 +23,29 @@ from roadmend.safe.report import CrashReport
 _NOTHING: dict[str, Any] = {"value": None, "confidence": None, "reason": "", "span": None, "box": None, "doubts": ()}
 _IN_DOUBT = 0.7  # a field below that is named among the doubts
 SHOWN = ("image/png", "image/jpeg", "image/gif", "image/webp", "image/bmp")  # by every browser
+
+
+class _KeptEvidence(BaseModel):
+    """What the page takes of a field's evidence in a file that may have been altered."""
+
+    model_config = ConfigDict(strict=True, allow_inf_nan=False)
+
+    value: Any = None
+    confidence: float | None = None
+    reason: str = ""
+    span: list[int] | None = Field(None, min_length=2, max_length=2)
+    box: list[float] | None = Field(None, min_length=4, max_length=4)
+    doubts: list[str] = Field(default_factory=list)
+
+
+class _Kept(BaseModel):
+    """What the page takes of CASE.evidence.json."""
+
+    model_config = ConfigDict(strict=True)
+
+    fields: dict[str, _KeptEvidence]
+    sketch: str
+    notes: list[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +117,10 @@ def load_account(report: CrashReport, out: Path, films: Sequence[Mapping[str, An
     """
     path = out / f"{report.case}.evidence.json"
     try:
-        content = read_json(path)
-        fields = {str(name): {**_NOTHING, **evidence} for name, evidence in content["fields"].items()}
-        return CrashAccount(
-            report.case, report.summary, report.sketch, fields, str(content["sketch"]), tuple(content["notes"]), films
-        )
-    except (ValueError, KeyError, TypeError, AttributeError):
+        kept = _Kept.model_validate(read_json(path))
+        fields = {name: evidence.model_dump() for name, evidence in kept.fields.items()}
+        return CrashAccount(report.case, report.summary, report.sketch, fields, kept.sketch, tuple(kept.notes), films)
+    except ValueError:
         raise InputError(
             str(path), "is no evidence of an extraction", "delete it and extract the report anew"
         ) from None
