@@ -47,6 +47,13 @@ def test_a_bank_of_another_version_is_one_line_everywhere_and_leaves_nothing(ban
     assert [path.name for path in tmp_path.iterdir()] == ["some.bank"]
 
 
+def test_a_cycle_from_a_bank_of_another_embedder_leaves_nothing(bank, tmp_path, capsys):
+    command = ["cycle", "--bank", str(bank), "--embedder", "openai:other", "--out", str(tmp_path / "new")]
+    assert main(["sera", *command]) == 2
+    assert "embedder" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["some.bank"]
+
+
 def test_a_bank_cut_short_is_one_line_everywhere(bank, tmp_path, capsys):
     bank.write_bytes(bank.read_bytes()[: bank.stat().st_size // 2])
     for command in commands(bank, tmp_path):

@@ -39,7 +39,7 @@ _SAFE: Table = {
 _SERA: Table = {
     "bank": ("roadmend.cli.sera_bank", "bank", "Build, show, search, export and import a scenario bank."),
     "evaluate": (
-        "roadmend.cli.sera_cycle",
+        "roadmend.cli.sera_evaluate",
         "evaluate",
         "Drive an evaluation set: four measures, and bags of failures.",
     ),

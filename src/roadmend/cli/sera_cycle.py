@@ -1,16 +1,16 @@
-"""``roadmend sera evaluate`` and ``cycle``: how a policy fares, and generations that each learn from what the one before got wrong."""
+"""``roadmend sera cycle``: generations that each learn from what the one before got wrong."""
 
 import json
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
 import click
 
 from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.driver_options import POLICY, REPAIR
 from roadmend.cli.language_options import LanguageChoice, language_options
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, SEED, WORKERS, options_of
 from roadmend.cli.output import Report, counting, show_rows, stage_of
@@ -27,137 +27,22 @@ from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, entry_key, file_of
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.measures.driver import driver_key
-from roadmend.measures.driving import DrivingMeasures
-from roadmend.measures.fitting import fitting
-from roadmend.measures.summary import summarise, summary_rows
 from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.policies.neural import load_model
 from roadmend.repair.adreft.model import KIND
 from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows
-from roadmend.reports.result_files import origin, provenance, write_report
+from roadmend.reports.result_files import origin, provenance
 from roadmend.sera.analysis import BagAnalysis, find_bags, read_incidents
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.cycle import Cycle, CycleOptions, Generation, PolicyEvaluation, TunedPolicy
 from roadmend.sera.describe import entry_of
-from roadmend.sera.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, drive_jobs
+from roadmend.sera.evaluation_episode import EvaluationJob, drive_jobs
 from roadmend.sera.evaluation_set import disjoint, known_in
 from roadmend.training.few_shot_settings import FewShotSettings, repair_model
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
 
-_BAGS = "bags"
 _EPISODES = "episodes"
-_NAME = "measures"
-
-
-@dataclass(frozen=True)
-class EvaluateOptions:
-    """Who drives, on what, and what is recorded."""
-
-    policy: Annotated[str, POLICY]
-    method: Annotated[str, REPAIR]
-    chosen: Annotated[SetChoice, set_options]
-    known: Annotated[
-        tuple[Path, ...],
-        click.option(
-            "--disjoint-from",
-            "known",
-            multiple=True,
-            type=FILE,
-            help="A bank, a corpus or a scenario file: what is in it is left out. May be repeated.",
-        ),
-    ]
-    record: Annotated[
-        str,
-        click.option(
-            "--record",
-            default="failures",
-            show_default=True,
-            type=click.Choice(["failures", "all", "none"]),
-            help="Bags; failures: of what does not end at the goal or is repaired on the way.",
-        ),
-    ]
-    workers: Annotated[int, WORKERS]
-    out: Annotated[Path, RESULT_FOLDER]
-    as_json: Annotated[bool, JSON]
-
-
-@click.command(
-    cls=ExampleCommand, examples=["roadmend sera evaluate --policy neural --scenarios 20 --out evaluated"], resumes=""
-)
-@options_of(EvaluateOptions)
-def evaluate(given: EvaluateOptions) -> int:
-    """Drive a policy through an evaluation set in this process: four measures, and bags for 'sera analyse'.
-
-    An interrupted call goes on where it stopped; the outcome does not depend on the number of workers. The exit code is
-    1 if an episode could not be driven.
-    """
-    whole = given.chosen.read()
-    chosen = disjoint(whole, known_in(given.known))
-    driver = driver_key(given.policy, given.method, fitting(given.method, given.policy))
-    jobs = [
-        EvaluationJob(one, given.policy, given.method, given.out / _BAGS, cast(Record, given.record), driver)
-        for one in chosen
-    ]
-    with counting(is_transient=True) as progress:
-        task = progress.add_task("episodes", total=len(jobs))
-        found = drive_jobs(jobs, given.out, given.workers, lambda done, _: progress.update(task, completed=done))
-    content = _measured(jobs, found, len(whole) - len(chosen))
-    families = {one.family or "other" for one in chosen}
-    measures = {name: _measures(jobs, found, name) for name in [*sorted(families), "all"]}
-    content["summary"] = summarise(measures["all"])
-    content["families"] = {name: summarise(measures[name]) for name in sorted(families)}
-    rows = summary_rows({**content["families"], "all": content["summary"]})
-    write_report(given.out, _NAME, f"{given.policy} with repair {given.method}", content, rows)
-    if given.as_json:
-        click.echo(json.dumps(content, indent=2))
-    else:
-        _show_measures(rows, content)
-    for fault in content["faults"]:
-        click.echo(fault, err=True)
-    return 1 if content["faults"] else 0
-
-
-def _measured(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], left_out: int) -> dict[str, Any]:
-    first = jobs[0]
-    episodes = [
-        {
-            "scenario": job.scenario.name,
-            "family": job.scenario.family,
-            "digest": job.scenario.digest,
-            "measures": asdict(episode.measures),
-            "trajectory": episode.result.digest,
-            "bag": episode.bag,
-            "fault": "",
-        }
-        for job, episode in zip(jobs, found, strict=True)
-        if episode.result is not None and episode.measures is not None
-    ]
-    return {
-        "provenance": provenance(call_again(always=("policy", "method"))),
-        "policy": first.policy,
-        "method": first.method,
-        "left_out": left_out,
-        "faults": [episode.fault for episode in found if episode.fault],
-        "episodes": episodes,
-    }
-
-
-def _measures(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], family: str) -> list[DrivingMeasures]:
-    return [
-        episode.measures
-        for job, episode in zip(jobs, found, strict=True)
-        if episode.measures is not None and family in {"all", job.scenario.family or "other"}
-    ]
-
-
-def _show_measures(rows: Sequence[Sequence[str]], content: dict[str, Any]) -> None:
-    show_rows(rows)
-    bags = sum(bool(episode["bag"]) for episode in content["episodes"])
-    left = content["left_out"]
-    click.echo(f"{bags} bag{'' if bags == 1 else 's'}" + (f"; {left} known scenarios left out" if left else ""))
-
-
 _BANK_SEED = 600_000  # of the bank that is built where none is given; nothing else draws from there
 _METHOD = "none"
 
@@ -238,12 +123,18 @@ def cycle(given: CycleSettings) -> int:
     first = tuple(find_bags(given.bags)) if given.bags else ()
     whole_set = given.chosen.read()
     opened = open_backend(given.language, given.out)
-    known = None if given.bank_file is None else known_in([given.bank_file])  # before there is a folder
-    with _claimed(given.out), counting(is_transient=True) as progress:
+    with ExitStack() as held:
+        learned = None  # before there is a folder
+        if given.bank_file is not None:
+            learned = _opened(held, given.bank_file, given.embedder, whole_set)
+        held.enter_context(_claimed(given.out))
+        progress = held.enter_context(counting(is_transient=True))
         whole = progress.add_task("starting", total=given.generations + 1)
         told = stage_of(progress)
-        bank_path = given.bank_file or _built_bank(given.out, given.bank_scenarios, told)
-        evaluated = disjoint(whole_set, known or known_in([bank_path]))
+        if learned is None:
+            built = _built_bank(given.out, given.bank_scenarios, told)
+            learned = _opened(held, built, given.embedder, whole_set)
+        bank, evaluated = learned
         steps = _LocalSteps(evaluated, few_shot, teacher, given.seed, given.out, given.workers, told)
         options = CycleOptions(
             given.generations,
@@ -253,21 +144,27 @@ def cycle(given: CycleSettings) -> int:
             json.dumps([few_shot.model_dump(mode="json"), given.language.backend]),
         )
         found = []
-        with Bank(bank_path, given.embedder) as bank:
-            digests = [scenario.digest for scenario in evaluated]
-            runs = Cycle(
-                bank, opened, steps, digests, given.out, options, lambda what: progress.update(whole, description=what)
-            )
-            for generation in runs.run(str(model)):
-                found.append(generation)
-                progress.update(whole, completed=len(found))
-                content = _content(found, given.out)
+        digests = [scenario.digest for scenario in evaluated]
+        runs = Cycle(
+            bank, opened, steps, digests, given.out, options, lambda what: progress.update(whole, description=what)
+        )
+        for generation in runs.run(str(model)):
+            found.append(generation)
+            progress.update(whole, completed=len(found))
+            content = _content(found, given.out)
         _write(content, given.out)
     if given.as_json:
         click.echo(json.dumps(content, indent=2))
     else:
         _show_generations(content, given.out)
     return 1 if any(generation.faults for generation in found) else 0
+
+
+def _opened(
+    held: ExitStack, path: Path, embedder: str | None, scenarios: Sequence[Scenario]
+) -> tuple[Bank, list[Scenario]]:
+    """A bank for as long as the stack holds it, and the scenarios that are not in it."""
+    return held.enter_context(Bank(path, embedder)), disjoint(scenarios, known_in([path]))
 
 
 def _claimed(out: Path) -> Journal:
