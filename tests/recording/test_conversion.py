@@ -151,3 +151,18 @@ def test_a_word_that_is_no_quality_of_service_is_refused_before_anything_is_writ
     with pytest.raises(InputError, match="'banana' is no quality of service"):
         convert(tmp_path / "bag", tmp_path / "new", "sqlite3")
     assert not (tmp_path / "new").exists()
+
+
+def test_times_of_sending_and_numbers_that_sqlite3_has_no_place_for_are_named(tmp_path, make):
+    with BagWriter(tmp_path / "bag") as writer:
+        writer.add_topic("/text", "std_msgs/msg/String", [Qos()])
+        for number in range(4):
+            writer.write(
+                "/text", 10 * number, make.text("x"), publish_ns=10 * number - (number > 1), sequence=number + 1
+            )
+        writer.write("/text", 50, make.text("x"), sequence=9)
+    told = convert(tmp_path / "bag", tmp_path / "sql", "sqlite3").left_out
+    assert told == [
+        "2 publish times: sqlite3 has no place for them",
+        "1 sequence numbers: sqlite3 has no place for them",
+    ]

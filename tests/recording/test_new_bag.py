@@ -8,6 +8,7 @@ from roadmend.core.errors import InputError
 from roadmend.recording.new_bag import BagCopy, new_bag
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
+from roadmend.recording.writer import BagWriter
 
 NOBODY = 2**22 + 1  # no process of Linux has such a number
 
@@ -61,3 +62,22 @@ def test_what_another_hides_beside_it_stays(tmp_path, name):
     with new_bag(tmp_path / "new"):
         pass
     assert (tmp_path / name).is_dir()
+
+
+def test_a_copy_keeps_when_each_message_was_sent_and_its_number(tmp_path, make):
+    with BagWriter(tmp_path / "old") as writer:
+        writer.add_topic("/text", "std_msgs/msg/String", [Qos()])
+        for number in range(3):
+            writer.write("/text", 100 + number, make.text("x"), publish_ns=93 + number, sequence=1000 + number)
+    with new_bag(tmp_path / "new") as writer:
+        BagCopy(BagReader(tmp_path / "old"), writer).until(float("inf"))
+    found = [(one.time_ns, one.publish_ns, one.sequence) for one in BagReader(tmp_path / "new").records()]
+    assert found == [(100, 93, 1000), (101, 94, 1001), (102, 95, 1002)]
+
+
+def test_a_place_that_cannot_be_made_is_refused_with_a_remedy(tmp_path):
+    (tmp_path / "file").write_text("somebody's")
+    for place in (tmp_path / "file" / "new", tmp_path / "file" / "deep" / "new", tmp_path / ("x" * 300)):
+        with pytest.raises(InputError, match=r"cannot be made \(.+\); choose a writable folder"), new_bag(place):
+            pass
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -1,6 +1,7 @@
 """Turning a bag of mcap into one of sqlite3, the storage of older rosbag2, and back."""
 
 import sqlite3
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -114,12 +115,18 @@ def _to_sqlite3(reader: BagReader, out: Path, conversion: Conversion, advance: C
                     rihs01=_hash(definition),
                     offered_qos_profiles=[qos.to_rosbags(offer) for offer in topic.offers],
                 )
+            counted: Counter[str] = Counter()
+            lost: Counter[str] = Counter()
             for one in reader.records():
                 writer.write(connections[one.topic], one.time_ns, one.data)
                 conversion.messages += 1
+                counted[one.topic] += 1
+                lost["publish times"] += one.publish_ns != one.time_ns
+                lost["sequence numbers"] += one.sequence != counted[one.topic]  # others than are counted anew
                 advance(1)
     except sqlite3.Error as error:
         raise RecordingError(str(out), f"cannot be written ({error})") from error
+    conversion.left_out += [f"{count} {what}: sqlite3 has no place for them" for what, count in lost.items() if count]
     conversion.left_out += [f"attachment {name}: sqlite3 has no place for it" for name in reader.attachments]
 
 

@@ -40,7 +40,7 @@ def place_for(folder: Path) -> Iterator[Path]:
     """A place for a folder of that name, from which it is moved once it is complete.
 
     Raises:
-        InputError: the folder exists already.
+        InputError: the folder exists already or cannot be made.
         RecordingError: it cannot be moved.
     """
     if os.path.lexists(folder):  # a link to nowhere is something, too
@@ -48,18 +48,21 @@ def place_for(folder: Path) -> Iterator[Path]:
     _remove_stale(folder)
     # Nobody else's: two processes may be told one name, and the later one finds it taken at the end.
     aside = folder.with_name(f".{folder.name}.{os.getpid()}-{secrets.token_hex(4)}.part")
-    try:
-        with made_parents(folder):
+    with contextlib.ExitStack() as stack:
+        try:
+            stack.enter_context(made_parents(folder))
             aside.mkdir()
-            try:
-                yield aside / folder.name
-                if os.path.lexists(folder):
-                    raise FileExistsError(errno.EEXIST, "something of that name is there meanwhile")
-                (aside / folder.name).rename(folder)
-            finally:
-                shutil.rmtree(aside, ignore_errors=True)
-    except OSError as error:
-        raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
+        except OSError as error:
+            raise InputError(str(folder), f"cannot be made ({error.strerror})", "choose a writable folder") from error
+        try:
+            yield aside / folder.name
+            if os.path.lexists(folder):
+                raise FileExistsError(errno.EEXIST, "something of that name is there meanwhile")
+            (aside / folder.name).rename(folder)
+        except OSError as error:
+            raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
+        finally:
+            shutil.rmtree(aside, ignore_errors=True)
 
 
 def _remove_stale(folder: Path) -> None:
@@ -101,5 +104,6 @@ class BagCopy:
             RecordingError: the other bag cannot be written.
         """
         while self._next is not None and self._next.time_ns <= time_ns:
-            self._writer.write(self._next.topic, self._next.time_ns, self._next.data)
+            one = self._next
+            self._writer.write(one.topic, one.time_ns, one.data, one.publish_ns, one.sequence)
             self._next = next(self._records, None)

@@ -55,6 +55,8 @@ class Record:
     type_name: str  # package/msg/Name
     time_ns: int  # log time, which is simulation time [ns]
     data: bytes  # CDR
+    publish_ns: int  # when it was sent [ns]
+    sequence: int  # its number
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +143,14 @@ class BagReader:
             for schema, channel, message in reader.messages(topics):
                 is_repeat = takers.get(channel.topic)
                 if is_repeat is None or not is_repeat(message.log_time, message.sequence):
-                    yield Record(channel.topic, schema.name, message.log_time, message.data)
+                    yield Record(
+                        channel.topic,
+                        schema.name,
+                        message.log_time,
+                        message.data,
+                        message.publish_time,
+                        message.sequence,
+                    )
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[DecodedMessage]:
         """The messages decoded, in the order of ``records``."""
