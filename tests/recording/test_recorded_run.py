@@ -5,8 +5,9 @@ import hashlib
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.recording.layout import RECORD
 from roadmend.recording.reader import BagReader
-from roadmend.recording.recorded_run import RECORD, recorded_scenario
+from roadmend.recording.recorded_run import recorded_scenario
 from roadmend.recording.writer import BagWriter
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import dump_scenario

@@ -13,8 +13,9 @@ from roadmend.core.errors import InputError
 from roadmend.measures.fitting import fitting
 from roadmend.recording import messages
 from roadmend.recording.codec import encode
+from roadmend.recording.layout import RECORD
 from roadmend.recording.reader import BagReader
-from roadmend.recording.recorded_run import RECORD, read_plan
+from roadmend.recording.recorded_run import read_plan
 from roadmend.recording.writer import BagWriter
 
 NONE = RepairChoice("none", {}, 0)

@@ -20,8 +20,8 @@ from roadmend.measures.fitting import driver_of, fitting
 from roadmend.nodes.provenance import described, provenance
 from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
+from roadmend.recording.layout import RECORD
 from roadmend.recording.new_bag import new_bag
-from roadmend.recording.recorded_run import RECORD
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import METHOD_REGISTRY
 from roadmend.world.network import network_file

@@ -22,9 +22,10 @@ from roadmend.measures.fitting import fitting, fitting_account
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.recording import topics
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
+from roadmend.recording.layout import RECORD
 from roadmend.recording.new_bag import new_bag
 from roadmend.recording.reader import BagReader
-from roadmend.recording.recorded_run import RECORD, read_plan, recorded_result
+from roadmend.recording.recorded_run import read_plan, recorded_result
 from roadmend.recording.resimulation import Switchover
 from roadmend.recording.ticks import BagTicks
 from roadmend.repair.guard import GuardedRepairer

@@ -37,13 +37,13 @@ from roadmend.recording import topics
 from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment, metadata_from_file
 from roadmend.recording.errors import RecordingError
+from roadmend.recording.layout import RECORD
 from roadmend.recording.messages import EVENT, event_of
 from roadmend.recording.timekeeper import Timekeeper
 from roadmend.recording.writer import BagOptions, BagWriter, Compression
 
 DISCOVERY_PERIOD_S = 0.1  # [s] between two looks at the graph
 DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
-METADATA_RECORD = "roadmend"
 _QUEUED_EACH = 3  # of a topic in the executor's queue, besides its messages: what DDS says of it, and timers
 
 Callback = Callable[[bytes], None]
@@ -126,7 +126,7 @@ class RecorderNode(Node):
         )
         check_name("parameter name", settings.name)
         self._writer = BagWriter(Path(settings.output, settings.name), options, claimed=settings.claimed)
-        self._writer.add_metadata(METADATA_RECORD, self._metadata)
+        self._writer.add_metadata(RECORD, self._metadata)
         for attachment in attachments:
             self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
         self._writer.flush()
@@ -166,7 +166,7 @@ class RecorderNode(Node):
         gone = dict.fromkeys(self._known.keys() - known.keys(), "")  # records of a bag add up
         self._known = known
         self._metadata |= gone | known
-        self._writer.add_metadata(METADATA_RECORD, self._metadata)
+        self._writer.add_metadata(RECORD, self._metadata)
 
     def _scenario(self) -> dict[str, str]:
         """The attachment with the scenario that the simulator runs; it is attached now if it was not."""
@@ -200,7 +200,7 @@ class RecorderNode(Node):
                 self._note_who_runs(is_last=True)
             if self._error is not None:
                 raise self._error
-            self._writer.add_metadata(METADATA_RECORD, self._metadata | self._account())
+            self._writer.add_metadata(RECORD, self._metadata | self._account())
         finally:
             self._writer.close()
             self._summarise()

@@ -19,7 +19,7 @@ from roadmend.recording.reader import BagReader
 from roadmend.recording.writer import BagOptions
 
 MCAP, SQLITE3 = "mcap", "sqlite3"
-_HIDDEN = {"rosbag2", layout.REPEATED}  # metadata records that are about the file itself
+_HIDDEN = {layout.FILE_RECORD, layout.REPEATED}  # metadata records that are about the file itself
 _SUFFIXES = {".mcap": MCAP, ".db3": SQLITE3}
 _VERSION = 9
 # Whatever a database that is none of rosbag2's makes the library stumble over.

@@ -10,6 +10,7 @@ from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.recording.deviation import deviations
+from roadmend.recording.layout import RECORD
 from roadmend.recording.reader import BagReader, Record
 
 # What depends on the machine and not on the drive: diagnostics, what viz_node draws when it has time, what ROS itself stamps
@@ -103,7 +104,7 @@ def bag_diff(
         if len(set(types)) == 2:
             diff.types[name] = types[0], types[-1]
         diff.topics[name] = TopicDiff(name)
-    noted = [reader.metadata.get("roadmend", {}) for reader in readers]
+    noted = [reader.metadata.get(RECORD, {}) for reader in readers]
     for key in sorted({*noted[0], *noted[1]}):
         if noted[0].get(key) != noted[1].get(key):
             diff.metadata[key] = noted[0].get(key, ""), noted[1].get(key, "")

@@ -10,6 +10,7 @@ from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.core.spell_account import SpellAccount, SpellAccountBuilder
+from roadmend.recording.layout import RECORD
 from roadmend.recording.messages import sized
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
@@ -66,7 +67,7 @@ def episode_of(reader: BagReader) -> BagEpisode:
     Raises:
         InputError: the bag is cut short, or nothing of an ego is in it.
     """
-    episode = BagEpisode(reader.path, account=reader.metadata.get("roadmend", {}))
+    episode = BagEpisode(reader.path, account=reader.metadata.get(RECORD, {}))
     for tick in BagTicks(reader, needed=()):
         if tick.ego is not None:
             episode.ego[tick.stamp] = tick.ego

@@ -9,6 +9,7 @@ from roadmend.recording.episode import BagEpisode
 from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline, EgoPose, ego_pose_of
 from roadmend.recording.foreign_repair import EGO, OBJECTS
 from roadmend.recording.foreign_shadow import check_topic, state_topics
+from roadmend.recording.layout import RECORD
 from roadmend.recording.reader import BagReader
 
 
@@ -32,7 +33,7 @@ def read_foreign_episode(path: Path, ego: str, objects: str, vehicle: EgoOutline
         check_topic(reader, name, topic)
     seeing = OBJECT_READERS[reader.topics[objects].type_name]()
     states = state_topics(reader)
-    episode = BagEpisode(reader.path, account=reader.metadata.get("roadmend", {}))
+    episode = BagEpisode(reader.path, account=reader.metadata.get(RECORD, {}))
     pose: EgoPose | None = None
     seen: ObjectList | None = None
     for message in reader.messages([ego, objects, *states]):

@@ -11,15 +11,14 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.spell_account import SpellAccount
 from roadmend.recording.codec import Codec
 from roadmend.recording.enclosure import Attachment
-from roadmend.recording.layout import REPEATED
+from roadmend.recording.layout import FILE_RECORD, RECORD, REPEATED
 from roadmend.recording.recovery import files_left, repeats_of, takers_of
 from roadmend.recording.rhythm import Rhythm
 from roadmend.recording.scan import Item, NamedTexts, Scan, ScannedMessage, ScannedTopic
 from roadmend.recording.spell_scan import InterventionSummary, SpellScan
 from roadmend.recording.topics import EVENTS, REPAIR_STATE, TYPES
 
-_RECORD = "roadmend"  # metadata that the recorder writes
-_HIDDEN = {"rosbag2", REPEATED}  # metadata that repeat what the rest of the information says
+_HIDDEN = {FILE_RECORD, REPEATED}  # metadata that repeat what the rest of the information says
 SECOND = 1e9  # [ns]
 
 
@@ -150,7 +149,7 @@ class _Reading:
             self._outcome = "UNFINISHED", "no final event was recorded"
 
     def info(self, path: Path, files: list[Path], missing: list[str]) -> BagInfo:
-        noted = self._metadata.get(_RECORD, {})
+        noted = self._metadata.get(RECORD, {})
         outcome, text = self._outcome or (noted.get("outcome", ""), noted.get("outcome_text", ""))
         return BagInfo(
             bag=str(path),

@@ -13,6 +13,8 @@ from roadmend.core.yaml_file import read_yaml
 from roadmend.recording.qos import Qos
 
 METADATA_FILE = "metadata.yaml"
+RECORD = "roadmend"  # metadata record of the run: who drove what, and what came of it
+FILE_RECORD = "rosbag2"  # metadata record of the file itself, which every writer makes anew
 REPEATED = "roadmend_repeated"  # metadata record of a further file: by topic, which messages repeat earlier ones
 _ROOT = "rosbag2_bagfile_information"
 _VERSION = 9

@@ -12,11 +12,10 @@ from pathlib import Path
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import made_parents
 from roadmend.recording.errors import RecordingError
+from roadmend.recording.layout import FILE_RECORD
 from roadmend.recording.reader import BagReader, Record
 from roadmend.recording.renewal import Renewal
 from roadmend.recording.writer import BagOptions, BagWriter
-
-_INSIDE = "rosbag2"  # metadata record that every writer makes anew
 
 
 @contextlib.contextmanager
@@ -89,7 +88,7 @@ class BagCopy:
         for topic in reader.topics.values():
             writer.add_topic(topic.name, topic.type_name, topic.offers, renewal.definition(topic.type_name))
         for name, values in reader.metadata.items():
-            if name != _INSIDE:
+            if name != FILE_RECORD:
                 writer.add_metadata(name, values)
         for attachment in reader.attachments.values():
             writer.add_attachment(attachment.name, attachment.media_type, attachment.data)

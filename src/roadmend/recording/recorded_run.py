@@ -18,6 +18,7 @@ from roadmend.core.scene import ObjectList, Scene
 from roadmend.core.tick import INTERVAL_NS, Tick
 from roadmend.core.yaml_file import parse_yaml
 from roadmend.policies.registry import POLICY_REGISTRY
+from roadmend.recording.layout import RECORD
 from roadmend.recording.messages import sized
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
@@ -25,7 +26,6 @@ from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import parse_scenario
 
 _MEND = "take a bag that 'roadmend run' has recorded"
-RECORD = "roadmend"  # metadata record that 'roadmend run' has the recorder write
 
 
 @dataclass(frozen=True, slots=True)

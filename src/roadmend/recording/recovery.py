@@ -19,7 +19,6 @@ from roadmend.recording.scan import NamedTexts, Scan, ScannedMessage
 from roadmend.recording.writer import BagOptions, BagWriter
 
 RECORD = "roadmend_recovery"  # metadata record of a recovered bag
-_INSIDE = "rosbag2"  # metadata record that every writer makes anew
 _COPY = BagOptions(flush_interval=float("inf"), self_contained=False)
 
 
@@ -135,7 +134,7 @@ class _Copying:
                 if isinstance(item, NamedTexts):
                     if item.name == layout.REPEATED:
                         claimed = claimed or takers_of(item.values)
-                    elif item.name != _INSIDE:
+                    elif item.name != layout.FILE_RECORD:
                         self._writer.add_metadata(item.name, item.values)
                 elif isinstance(item, Attachment):
                     self._writer.add_attachment(item.name, item.media_type, item.data)

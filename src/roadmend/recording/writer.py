@@ -299,7 +299,7 @@ class BagWriter:
             ],
         )
         self._file.flush()
-        self._file.add_metadata("rosbag2", {"serialized_metadata": layout.as_text(information)})
+        self._file.add_metadata(layout.FILE_RECORD, {"serialized_metadata": layout.as_text(information)})
         self._file.finish()
         return information
 

@@ -16,11 +16,13 @@ from roadmend.core.appearance import (
     PLAN_COLOUR,
     ROUTE_COLOUR,
     RULE_COLOUR,
+    STATUS_COLOUR,
     TRIGGER_COLOUR,
     kind_of,
 )
 from roadmend.core.command import Trajectory
 from roadmend.core.geometry import fill_corners
+from roadmend.core.repair import RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.world.road_network import LaneKind, LaneMap
@@ -30,7 +32,7 @@ Floats = NDArray[np.float64]
 INK, MUTED = "#22252b", "#5d636e"
 LAND, KERB, ASPHALT, PAINT = "#f3f2ec", "#a3a9b2", "#d5d8dd", "#ffffff"
 PAVING, PAVING_EDGE = "#e6dfcf", "#cdc4ae"
-TRAIL_COLOUR, REPAIRED_COLOUR = "#2f6f5e", "#e69f00"
+TRAIL_COLOUR, REPAIRED_COLOUR = "#2f6f5e", STATUS_COLOUR[RepairStatus.REPAIRED]
 LANE_LINE = 0.16  # [m]
 KERB_WIDTH = 0.35  # [m]
 SEAM = 0.3  # [m] by which junctions reach over the lanes that end there, or a pale line stays between them

@@ -14,12 +14,12 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import RepairStatus
 from roadmend.core.spell_account import SpellAccount
 from roadmend.measures.need_verdict import NeedVerdict, verdict_of
+from roadmend.reports.scene_layers import REPAIRED_COLOUR
 
 Floats = NDArray[np.float64]
 
 INK, MUTED, RULE = "#22252b", "#5d636e", "#dddfe3"
 SPEED_COLOUR = STATUS_COLOUR[RepairStatus.PASS]
-REPAIRED_COLOUR = STATUS_COLOUR[RepairStatus.REPAIRED]
 POLICY_COLOUR = "#7b3fe4"
 SCORE_COLOUR = "#0072b2"
 VERDICT_COLOUR = {  # of an intervention; orange, as the state, where nobody has looked

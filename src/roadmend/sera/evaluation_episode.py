@@ -16,8 +16,8 @@ from roadmend.measures.fitting import fitting
 from roadmend.measures.measured_run import EpisodeObserver, measured_run
 from roadmend.policies.registry import make_policy
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
+from roadmend.recording.layout import RECORD
 from roadmend.recording.new_bag import new_bag
-from roadmend.recording.recorded_run import RECORD
 from roadmend.recording.writer import BagWriter
 from roadmend.repair.registry import make_repairer
 from roadmend.world.network import network_file
