@@ -154,8 +154,18 @@ def changed(kind, topic, change):
     return keep
 
 
-def test_a_world_that_differs_is_said_to(altered, refused):
+def undigested(values):
+    """What a bag says of a run, without the digest of its scenario."""
+    return {name: value for name, value in values.items() if name != "scenario_sha256"}
+
+
+def test_another_scenario_than_was_driven_is_refused(altered, refused):
     other = altered(attach=lambda data: yaml.safe_dump(yaml.safe_load(data) | {"seed": 99}).encode())
+    assert "altered: crossing.yaml: is not the scenario that was driven" in refused(other)
+
+
+def test_a_world_that_differs_is_said_to(altered, refused):
+    other = altered(attach=lambda data: yaml.safe_dump(yaml.safe_load(data) | {"seed": 99}).encode(), tell=undigested)
     line = refused(other, "--from-time", "6")
     assert "altered: the world differs at " in line
     assert line.endswith("take a bag of a lockstep run of this version, or drive from the start with --from-time 0")
@@ -209,7 +219,7 @@ def test_a_bag_without_a_usable_scenario_is_refused(altered, refused, recorded):
         (b"a: [", "altered: crossing.yaml: is no scenario"),
         (b"name: x\nspeed: 3\n", "altered: crossing.yaml: field "),
     ):
-        bag = altered(attach=lambda _, data=data: data)
+        bag = altered(attach=lambda _, data=data: data, tell=undigested)
         assert what in refused(bag)
         for file in bag.iterdir():
             file.unlink()
