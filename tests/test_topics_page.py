@@ -21,7 +21,7 @@ NODES = ROOT / "src" / "roadmend" / "nodes"
 TOPICS = {
     name: value
     for name, value in vars(topics).items()
-    if name.isupper() and isinstance(value, str) and value != topics.PARAMETER_EVENTS
+    if name.isupper() and isinstance(value, str) and value not in (topics.PARAMETER_EVENTS, topics.SHADOW)
 }
 SAMPLE = ROOT / "bags" / "samples" / "repaired"
 

@@ -70,10 +70,10 @@ def scatter_chart(content: Content) -> Figure:
             if figures is None or figures["intensity"] is None or figures["delta_e"] is None:
                 continue
             colour = colour_of(content, method)
-            (left, right), (low, high) = figures["intervals"]["delta_e"], figures["intervals"]["intensity"]
             x, y = figures["delta_e"], figures["intensity"]
-            axes.plot([left, right], [y, y], color=colour, lw=1.0, alpha=0.55)
-            axes.plot([x, x], [low, high], color=colour, lw=1.0, alpha=0.55)
+            across, along = figures["intervals"]["delta_e"], figures["intervals"]["intensity"]  # None of a single case
+            axes.plot(across or [x, x], [y, y], color=colour, lw=1.0, alpha=0.55)
+            axes.plot([x, x], along or [y, y], color=colour, lw=1.0, alpha=0.55)
             axes.plot(x, y, "o", ms=8 if method == "adreft" else 6, color=colour, zorder=4)
             points.append((x, y, title_of(content, method), colour))
         least = min([0.0, *(point[0] for point in points)])
