@@ -9,9 +9,11 @@ import pytest
 import torch
 
 from roadmend.core.errors import InputError
+from roadmend.core.source_digest import source_digest
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.networks.checkpoint import find_model, load_checkpoint, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy
+from roadmend.training import few_shot
 from roadmend.training.demonstrations import gather
 from roadmend.training.few_shot import Labour, TuningOrigin, few_shot_repair, lessons_of, replay_lessons
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
@@ -167,6 +169,10 @@ def test_adreft_brings_demonstrations_to_their_goal_that_the_expert_does_not():
         assert {lesson.repair is None for lesson in lessons} == {not repair}
         arrived[repair] = [outcome for lesson in lessons for outcome in gather(lesson).outcomes].count("GOAL")
     assert arrived["modular"] > arrived[""]
+
+
+def test_what_a_cycle_keeps_goes_by_the_code_of_the_method_that_repairs_its_lessons():
+    assert source_digest([few_shot.__name__, "roadmend.repair.adreft.method"]) == source_digest([few_shot.__name__])
 
 
 def test_the_header_names_the_model_that_repaired_the_demonstrations(tmp_path, scenarios, gathering):

@@ -14,6 +14,9 @@ from roadmend.policies.expert import Expert
 from roadmend.policies.neural import NeuralPolicy
 from roadmend.policies.neural_observer import Observer
 from roadmend.policies.neural_tokens import COLUMNS
+from roadmend.repair.adreft.method import AdreftRepair
+from roadmend.repair.guard import GuardedRepairer
+from roadmend.repair.parameters import AdreftParameters
 from roadmend.repair.registry import make_repairer
 from roadmend.training.samples import UNASKED, Samples
 from roadmend.world.families import sample_scenario
@@ -47,7 +50,9 @@ class Tutor:
         self._random = random.Random(f"roadmend/lesson/{lesson.draw}/{lesson.model is not None}")
         self._expert = Expert()
         self._expert.privilege(lesson.scenario.environment.effective_friction)
-        self._repairer = None if lesson.repair is None else make_repairer("adreft", {"model": str(lesson.repair)})
+        # By its class, not by its name: so the code of the method is part of what lessons are kept by.
+        own = AdreftParameters(model=str(lesson.repair))
+        self._repairer = None if lesson.repair is None else GuardedRepairer(AdreftRepair(own))
         self._learner = NeuralPolicy(lesson.model) if lesson.model is not None else None
         self._observer = self._learner.observer if self._learner is not None else Observer()
         self._tick = 0
