@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from roadmend.repair.actions import ACTIONS
+from roadmend.repair.adreft.configuration import Deciding
 from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.patience import Patience
@@ -59,6 +61,28 @@ def test_an_opening_brakes_in_full_before_the_choice_is_asked(drive):
     _, proposals = drive([0.1] * 2 + [0.9] * 6 + [0.1], [4] * 9, opening=0.2)
     assert [each.action for each in proposals] == [ACTIONS[4]] * 2 + [-1.0] * 4 + [ACTIONS[4]] * 3
     assert ["in full at first" in each.reason for each in proposals] == [False] * 2 + [True] * 4 + [False] * 3
+
+
+def test_an_ego_that_stands_is_held_no_harder_than_its_model_says(drive):
+    def tried(**configuration):
+        stops = [2.0] * 3 + [0.0] * 3
+        return drive([0.9] * 6, [FULL] * 4 + [7, IDLE], speed=stops.__getitem__, **configuration)
+
+    braking, proposals = tried(holding=-0.2)
+    assert [each.action for each in proposals] == [-1.0] * 3 + [-0.2, -0.2, ACTIONS[IDLE]]
+    assert ACTIONS[7] < -0.2
+    assert braking == [True] * 5 + [False]
+    assert ["held where it stands" in each.reason for each in proposals] == [False] * 3 + [True] * 2 + [False]
+    assert [each.action for each in tried()[1]] == [-1.0] * 4 + [ACTIONS[7], ACTIONS[IDLE]]
+    braking, proposals = drive([0.9] * 6, speed=0.0, opening=0.1, holding=-0.4)
+    assert [each.action for each in proposals] == [-0.4] * 6
+    assert all(braking)
+
+
+@pytest.mark.parametrize("holding", [-0.3, -0.1, -1.2])
+def test_what_holds_is_one_of_the_actions_that_brake(holding):
+    with pytest.raises(ValidationError):
+        Deciding(holding=holding)
 
 
 def test_after_a_pulse_the_choice_is_made_anew(drive):

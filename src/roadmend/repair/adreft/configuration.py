@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
@@ -58,6 +58,13 @@ class Deciding(Parameters):
     standstill: float = Field(
         0.0, ge=0.0, le=60.0, description="seconds at a standstill under intervention after which it is; 0: never"
     )
+    holding: float = Field(
+        -1.0,
+        ge=-1.0,
+        le=-0.2,
+        description="throttle - brake with which an ego that stands is held at most, one of the actions; -1: as hard as it "
+        "would be braked at speed, as the paper's",
+    )
     lane_change: float = Field(
         0.0,
         ge=0.0,
@@ -68,6 +75,15 @@ class Deciding(Parameters):
     weighing: Weighing | None = Field(
         None, description="prices, where the adapter foresees collisions; without, it gives the values, as the paper's"
     )
+
+    @field_validator("holding")
+    @classmethod
+    def _is_an_action(cls, holding: float) -> float:
+        if holding not in ACTIONS:
+            raise ValueError(
+                f"holding: {holding:g} is none of the actions {', '.join(f'{each:g}' for each in ACTIONS)}"
+            )
+        return holding
 
 
 class ModelConfiguration(Deciding):

@@ -17,7 +17,7 @@ from roadmend.repair.adreft.lane_change import LaneChange
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.need_gate import NEVER, NeedGate
 from roadmend.repair.adreft.opening import Opening
-from roadmend.repair.adreft.patience import Patience
+from roadmend.repair.adreft.patience import STANDING, Patience
 from roadmend.repair.latch import Latch
 from roadmend.repair.parameters import AdreftParameters
 
@@ -112,6 +112,10 @@ class AdreftRepair:
                 action, reason = ACTIONS[-1], f"{reason}; braking in full: risk {risk:.3f}"
             elif action < self._action:
                 reason += "; braking in full at first"
+        if (
+            scene.ego.speed < STANDING and action < configuration.holding
+        ):  # no harder braking keeps it where it is better
+            action, reason = configuration.holding, f"{reason.partition(';')[0]}; held where it stands"
         worth = self.model.worth(values, asked, ACTIONS.index(action))
         proposal = Proposal(score, bar, action, triggers, reason, worth)
         if configuration.fresh and action >= asked:

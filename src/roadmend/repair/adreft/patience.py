@@ -2,7 +2,7 @@
 
 from roadmend.core.scene import Scene
 
-_STANDING = 0.3  # [m/s] below this speed the ego stands
+STANDING = 0.3  # [m/s] below this speed the ego stands
 _PAUSE = 0.5  # [s] between two ticks beyond which nobody knows what happened
 _TICK = 1e-6  # [s] slack against rounding in sums of ticks
 
@@ -50,5 +50,5 @@ class Patience:
         if 0.0 < passed <= _PAUSE:
             self._lasted += passed
             self._stood += passed
-        if not intervenes or scene.ego.speed >= _STANDING:
+        if not intervenes or scene.ego.speed >= STANDING:
             self._stood = 0.0
