@@ -220,7 +220,7 @@ def _controls_table(content: Mapping[str, Any]) -> Table:
                     number(figures["fix_hard"]),
                     number(figures["fix_touches"]),
                     number(figures["dose_violations"], 2),
-                    number(figures["shuffled_dose_violations"], 2),
+                    number(figures.get("shuffled_dose_violations"), 2),
                 )
             )
     note = (
