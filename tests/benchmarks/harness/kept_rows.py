@@ -190,6 +190,12 @@ def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[s
     kept.note(content, before, order)
 
 
+def _drives(figures: Mapping[str, Any]) -> tuple[Any, ...]:
+    """What is equal to the last digit where a method's drives are the same; its code may be written otherwise."""
+    model = figures.get("contender", {}).get("model", {}).get("digest")
+    return model, figures.get("delta_e"), figures.get("dose_violations")
+
+
 def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
     """Add to controls what earlier ones have besides: methods by their shuffles, and bounds, which hang on no method.
 
@@ -211,7 +217,7 @@ def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[s
     _take(content["bound"], before["bound"], bounds)
     for policy in renewed.intersection(bounds):
         fresh, old = (found["controls"][policy]["shuffled"].get(OURS, {}) for found in (content, before))
-        if any(fresh.get(name) != old.get(name) for name in ("contender", "delta_e", "dose_violations")):
+        if _drives(fresh) != _drives(old):
             # what is held against the kept bound is of other drives
             content["bound"][policy]["informed"] = {**before["bound"][policy]["informed"], "adreft_dose": None}
     kept.note(content, before, order, more=["informed bound"] if bounds else [])
