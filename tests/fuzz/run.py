@@ -13,6 +13,7 @@ called in. A reader that reads none of 100,000 files is a fault too. Exit code 1
 """
 
 import argparse
+import ctypes
 import json
 import os
 import signal
@@ -25,6 +26,7 @@ from typing import Any
 from fuzz_engines import ENGINES
 from fuzz_readers import READERS
 
+M_MMAP_THRESHOLD = -3  # of malloc.h
 PUBLISHED = Path(__file__).parents[1] / "benchmarks"
 
 
@@ -86,6 +88,9 @@ def fuzz(
 def _started(name: str, seconds: float, seed: int, engine: str, folder: Path, *, is_kept: bool) -> int:
     process = os.fork()
     if process == 0:
+        # What is freed goes back at once: else the heap keeps holes of the size of the largest changed files, and after
+        # some million of them they pass for what the reader takes.
+        ctypes.CDLL(None).mallopt(M_MMAP_THRESHOLD, 128 << 10)
         files = folder / "files"
         files.mkdir()
         ENGINES[engine](name, seconds, seed, files, _teller(folder), is_kept=is_kept)
