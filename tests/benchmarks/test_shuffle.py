@@ -79,7 +79,11 @@ def test_the_dose_of_an_episode_is_the_methods_own_wherever_its_blocks_fall():
     method = make_repairer("adreft", {"model": "modular"})
     result, blocks, _ = blocks_of(case.scenario(), make_policy("modular"), method)
     assert result.dose > 0.2
+    again = []
     for number in range(3):
         moved = shuffled(blocks, round(case.duration / INTERVAL), f"{number}")
-        again = run_episode(case.scenario(), make_policy("modular"), BlockPlayer(moved))
-        assert again.outcome is EventKind.COLLISION or again.dose == pytest.approx(result.dose)
+        again.append(run_episode(case.scenario(), make_policy("modular"), BlockPlayer(moved)))
+    whole = [each.dose for each in again if each.outcome is not EventKind.COLLISION]  # a collision may cut it short
+    assert whole
+    assert whole == pytest.approx([result.dose] * len(whole))
+    assert all(each.dose <= result.dose + 1e-6 for each in again)

@@ -82,9 +82,9 @@ def test_what_a_worker_refuses_is_refused_in_one_line():
 
 
 def test_what_cannot_be_meant_is_refused():
-    with pytest.raises(InputError, match="num_envs: is 0"):
+    with pytest.raises(InputError, match="num_envs: 0 is no whole number from 1"):
         make_vector(0)
-    with pytest.raises(InputError, match="num_envs: is '2'"):
+    with pytest.raises(InputError, match="num_envs: '2' is no whole number from 1"):
         make_vector("2")
     for given in ({"price": -0.1}, {"parameters": {"rho": 0.5}}, {"seed": 1}):
         with pytest.raises(InputError, match="none that repairs; give one"):

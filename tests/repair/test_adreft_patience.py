@@ -77,6 +77,8 @@ def test_an_ego_that_stands_is_held_no_harder_than_its_model_says(drive):
     braking, proposals = drive([0.9] * 6, speed=0.0, opening=0.1, holding=-0.4)
     assert [each.action for each in proposals] == [-0.4] * 6
     assert all(braking)
+    _, proposals = drive([0.1] * 3, speed=0.0, holding=-0.2)  # nothing is held where nothing is due
+    assert [each.reason for each in proposals] == [""] * 3
 
 
 @pytest.mark.parametrize("holding", [-0.3, -0.1, -1.2])

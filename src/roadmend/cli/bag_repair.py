@@ -29,7 +29,7 @@ from roadmend.recording.recorded_run import read_plan, recorded_result
 from roadmend.recording.resimulation import Switchover
 from roadmend.recording.ticks import BagTicks
 from roadmend.repair.guard import GuardedRepairer
-from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_repairer
+from roadmend.repair.registry import METHOD_REGISTRY, make_repairer, of_vehicle
 from roadmend.world.road_network import LaneMap
 from roadmend.world.runner import run_episode
 
@@ -53,9 +53,7 @@ class RepairChoice:
     def braking(self, full_brake: float) -> "RepairChoice":
         """The choice for a vehicle with this deceleration at full brake [m/s2], where it says nothing else."""
         found = METHOD_REGISTRY.find(self.method)
-        if found.label not in METHODS or "full_brake" not in found.entry.parameters.model_fields:
-            return self
-        return replace(self, parameters={"full_brake": full_brake} | self.parameters)
+        return replace(self, parameters=of_vehicle(found.label, found.entry, full_brake) | self.parameters)
 
     def behind(self, policy: str) -> "RepairChoice":
         """The choice with the model and the settings that were made for a policy, where it says nothing else.

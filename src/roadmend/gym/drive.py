@@ -20,6 +20,7 @@ from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.settings import check_parameters
 from roadmend.core.tick import Tick
+from roadmend.core.whole_number import whole_number
 from roadmend.gym.observation import Observation, observation_space
 from roadmend.gym.observer import DriveObserver, command_of
 from roadmend.gym.registration import ENVIRONMENT
@@ -86,9 +87,9 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         if scenarios is not None and drawn:
             what = f"is given both scenarios and {drawn[0]}"
             raise InputError(ENVIRONMENT, what, "give scenarios, or families with first and count")
-        first, count = 0 if first is None else first, _COUNT if count is None else count
-        for name, value, least in (("first", first, 0), ("count", count, 1), ("objects", objects, 1)):
-            check_whole(name, value, least)
+        first = whole_number(f"{ENVIRONMENT}: first", 0 if first is None else first)
+        count = whole_number(f"{ENVIRONMENT}: count", _COUNT if count is None else count, 1)
+        objects = whole_number(f"{ENVIRONMENT}: objects", objects, 1)
         if first + count - 1 > _LAST:
             what = f"{first} and count {count} go beyond the last scenario of a family"
             raise InputError(f"{ENVIRONMENT}: first", what, f"stay up to number {_LAST}")
@@ -228,16 +229,6 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
             "events": [_plain(event) for event in tick.events],
             "objects_left_out": max(0, len(tick.scene.objects) - self._most),
         }
-
-
-def check_whole(name: str, value: object, least: int) -> None:
-    """See that an argument is a whole number.
-
-    Raises:
-        InputError: it is none, or less than ``least``.
-    """
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise InputError(f"{ENVIRONMENT}: {name}", f"is {value!r}", f"give a whole number from {least} on")
 
 
 def _plain(event: Event) -> dict[str, Any]:

@@ -8,7 +8,8 @@ from gymnasium.vector import AsyncVectorEnv
 
 from roadmend.api.given import RepairLike, Settings
 from roadmend.core.errors import InputError
-from roadmend.gym.drive import DriveEnv, check_whole
+from roadmend.core.whole_number import whole_number
+from roadmend.gym.drive import DriveEnv
 from roadmend.gym.registration import ENVIRONMENT
 from roadmend.gym.repair import RepairWrapper
 
@@ -38,7 +39,7 @@ def make_vector(
     Raises:
         InputError: an argument is unusable.
     """
-    check_whole("num_envs", num_envs, 1)
+    num_envs = whole_number(f"{ENVIRONMENT}: num_envs", num_envs, 1)
     if repair is None and (parameters or seed or price):
         what = "is given parameters, a seed or a price of a repair method, and none that repairs"
         raise InputError(ENVIRONMENT, what, 'give one, such as repair="rss"')

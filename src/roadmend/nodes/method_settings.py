@@ -11,7 +11,7 @@ from roadmend.nodes.configuration import Running
 from roadmend.nodes.parameters import declare_own, find_named
 from roadmend.nodes.provenance import described
 from roadmend.repair.method import RepairMethod
-from roadmend.repair.registry import METHOD_REGISTRY, METHODS
+from roadmend.repair.registry import METHOD_REGISTRY, METHODS, of_vehicle
 
 
 class MethodSettings:
@@ -36,8 +36,7 @@ class MethodSettings:
         fitted = fitting(method, policy) if policy else {}
         for name, entry in {**METHODS, self._found.label: self._found.entry}.items():
             is_mine = name == self._found.label
-            brakes = name in METHODS and "full_brake" in entry.parameters.model_fields
-            defaults = ({"full_brake": full_brake} if brakes else {}) | (fitted if is_mine else {})
+            defaults = of_vehicle(name, entry, full_brake) | (fitted if is_mine else {})
             fields = declare_own(node, name, entry.parameters, defaults, is_fixed=False)
             if is_mine:
                 self._fields = [*fields]

@@ -12,7 +12,8 @@ from roadmend.core.spell_account import SpellAccount
 from roadmend.recording.codec import Codec
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import FILE_RECORD, RECORD, REPEATED
-from roadmend.recording.recovery import files_left, repeats_of, takers_of
+from roadmend.recording.recovery import files_left
+from roadmend.recording.repeat_watch import RepeatWatch
 from roadmend.recording.rhythm import Rhythm
 from roadmend.recording.scan import Item, NamedTexts, Scan, ScannedMessage, ScannedTopic
 from roadmend.recording.spell_scan import InterventionSummary, SpellScan
@@ -77,9 +78,9 @@ def bag_info(path: Path, advance: Callable[[int], None] = lambda _count: None) -
     """
     files, missing = files_left(path)
     reading = _Reading()
-    for place, file in enumerate(files):
+    for file in files:
         scan = Scan(file, advance)
-        reading.begin(file, place)
+        reading.begin(file)
         try:
             for item in scan:
                 reading.take(item)
@@ -100,40 +101,26 @@ class _Reading:
         self._topics: dict[str, ScannedTopic] = {}
         self._metadata: dict[str, dict[str, str]] = {}
         self._attachments: dict[str, int] = {}
-        self._claimed: dict[str, Callable[[int, int], bool]] = {}  # by topic, what the file says of repeated messages
-        self._is_further = False
-        self._seen: set[tuple[str, int]] = set()  # topics and numbers of messages that a further file may repeat
+        self._repeats = RepeatWatch()  # what files repeat counts once, and if the first one is lost, where it is left
         self._outcome: tuple[str, str] | None = None  # with its text, as the events tell it
         self._codec = Codec()
         self._spells = SpellScan(self._codec)
 
-    def begin(self, file: Path, place: int) -> None:
-        """Take in what a file's index tells; one that stands first repeats nothing that can be read."""
-        self._is_further = place > 0
-        self._claimed = repeats_of(file) if self._is_further else {}
+    def begin(self, file: Path) -> None:
+        """Turn to the next file."""
+        self._repeats.begin(file)
 
     def take(self, item: Item) -> None:
         if isinstance(item, NamedTexts):
             self._metadata.setdefault(item.name, {}).update(item.values)
-            if item.name == REPEATED and self._is_further:
-                self._claimed = self._claimed or takers_of(item.values)
+            self._repeats.hear(item)
         elif isinstance(item, Attachment):
             self._attachments[item.name] = len(item.data)
-        elif not self._is_repeat(item):
+        elif not self._repeats.is_repeat(item):
             self._rhythms.setdefault(item.topic.name, Rhythm()).add(item.time_ns)
             self._topics[item.topic.name] = item.topic
             with contextlib.suppress(ValueError, AttributeError):  # it, or its definition, was altered on the disk
                 self._look_into(item)
-
-    def _is_repeat(self, item: ScannedMessage) -> bool:
-        """Whether an earlier file has the message, as ``BagReader`` asks: what is lost there counts here."""
-        if not any(offer.is_latched for offer in item.topic.offers):
-            return False
-        key = (item.topic.name, item.sequence)
-        claim = self._claimed.get(item.topic.name)
-        is_repeat = claim is not None and claim(item.time_ns, item.sequence) and key in self._seen
-        self._seen.add(key)
-        return is_repeat
 
     def _look_into(self, item: ScannedMessage) -> None:
         if item.topic.definition.type_name not in {TYPES[REPAIR_STATE], TYPES[EVENTS]}:

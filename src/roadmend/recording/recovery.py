@@ -1,19 +1,15 @@
 """Bringing back what a bag that was cut or damaged still holds, as a new bag."""
 
-import contextlib
-import hashlib
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from roadmend.core.bounded_file import open_regular
 from roadmend.core.errors import InputError
 from roadmend.recording import layout
 from roadmend.recording.enclosure import Attachment
-from roadmend.recording.mcap_file import McapFile
 from roadmend.recording.new_bag import new_bag
-from roadmend.recording.reader import CORRUPT
+from roadmend.recording.repeat_watch import RepeatWatch
 from roadmend.recording.repeats import Repeats
 from roadmend.recording.scan import NamedTexts, Scan, ScannedMessage
 from roadmend.recording.writer import BagOptions, BagWriter
@@ -117,7 +113,7 @@ class _Copying:
     def __init__(self, writer: BagWriter, recovery: Recovery) -> None:
         self._writer = writer
         self._recovery = recovery
-        self._latched: set[tuple[str, int, bytes]] = set()  # what was copied of topics that files repeat
+        self._repeats = RepeatWatch()
 
     def copy(self, file: Path, advance: Callable[[int], None]) -> list[str]:
         """Copy what one file holds; returns lines on what it does not hold any more.
@@ -127,14 +123,13 @@ class _Copying:
         """
         scan = Scan(file, advance)
         announced: set[str] = set()
-        claimed = repeats_of(file)
+        self._repeats.begin(file)
         repeated: dict[str, list[ScannedMessage]] = {}
         try:
             for item in scan:
                 if isinstance(item, NamedTexts):
-                    if item.name == layout.REPEATED:
-                        claimed = claimed or takers_of(item.values)
-                    elif item.name != layout.FILE_RECORD:
+                    self._repeats.hear(item)
+                    if item.name not in {layout.REPEATED, layout.FILE_RECORD}:
                         self._writer.add_metadata(item.name, item.values)
                 elif isinstance(item, Attachment):
                     self._writer.add_attachment(item.name, item.media_type, item.data)
@@ -142,7 +137,7 @@ class _Copying:
                     if item.topic.name not in announced:
                         self._announce(item)
                         announced.add(item.topic.name)
-                    if self._take(item, claimed.get(item.topic.name)):
+                    if self._take(item):
                         repeated.setdefault(item.topic.name, []).append(item)
         finally:
             if repeated:
@@ -157,35 +152,12 @@ class _Copying:
         topic = message.topic
         self._writer.add_topic(topic.name, topic.definition.type_name, topic.offers, topic.definition)
 
-    def _take(self, item: ScannedMessage, is_claimed: Callable[[int, int], bool] | None) -> bool:
+    def _take(self, item: ScannedMessage) -> bool:
         """Copy a message; whether it repeats one that was copied before."""
         topic = item.topic
         self._writer.write(topic.name, item.time_ns, item.data, item.publish_ns, item.sequence)
         self._recovery.messages[topic.name] = self._recovery.messages.get(topic.name, 0) + 1
-        if not any(offer.is_latched for offer in topic.offers):
-            return False
-        key = (topic.name, item.sequence, hashlib.sha256(item.data).digest())
-        is_repeat = is_claimed is not None and is_claimed(item.time_ns, item.sequence) and key in self._latched
-        self._latched.add(key)
-        return is_repeat
-
-
-def repeats_of(file: Path) -> dict[str, Callable[[int, int], bool]]:
-    """By topic, what a file's index says of messages that repeat earlier ones: a recovered one tells of them behind them."""
-    with contextlib.suppress(InputError, *CORRUPT), open_regular(file) as stream:
-        for record in McapFile(stream, str(file), is_lenient=True).metadata():
-            if record.name == layout.REPEATED:
-                return takers_of(record.metadata)
-    return {}
-
-
-def takers_of(values: Mapping[str, str]) -> dict[str, Callable[[int, int], bool]]:
-    """By topic, what tells the messages that repeat earlier ones, as a file has it; nothing where it is damaged."""
-    takers = {}
-    for topic, text in values.items():
-        with contextlib.suppress(ValueError):
-            takers[topic] = Repeats.parse(text).taker()
-    return takers
+        return self._repeats.is_repeat(item)
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:

@@ -87,6 +87,18 @@ METHOD_REGISTRY = Registry(
 )
 
 
+def of_vehicle(label: str, entry: MethodEntry, full_brake: float) -> dict[str, float]:
+    """Parameters that a method takes from the vehicle: of one of ours that reckons with it, how hard it brakes.
+
+    Args:
+        label: of the method.
+        entry: of the method.
+        full_brake: deceleration at brake 1 [m/s2].
+    """
+    reckons = label in METHODS and "full_brake" in entry.parameters.model_fields
+    return {"full_brake": full_brake} if reckons else {}
+
+
 def make_repairer(
     name: str,
     parameters: Mapping[str, Any] | None = None,

@@ -38,7 +38,7 @@ class _Vehicle(_Part):
     width: float
 
 
-class _Lane(_Part):
+class _DrawnLane(_Part):
     kind: str
     width: float
     points: list[tuple[float, float]]
@@ -53,7 +53,7 @@ class _Played(_Part):
     collided: bool
     vehicles: list[_Vehicle]
     frames: list[tuple[float, list[tuple[float, float, float] | None]]] = Field(min_length=1)
-    lanes: list[_Lane]
+    lanes: list[_DrawnLane]
 
 
 def film_of(scenario: Scenario, film: Film, *, collided: bool, text: str) -> dict[str, Any]:

@@ -225,7 +225,8 @@ def _controls_table(content: Mapping[str, Any]) -> Table:
             )
     note = (
         "Shuffled: the method's own braking of each case, block by block, at random times before the impact, until as "
-        "much of it is spent as the method took (less where the drive ends before). In futures: share of five futures of each violation, the method at work from 8 s before it, that reach the goal. "
+        "much of it is spent as the method took (less where the drive ends before). In futures: share of five futures of "
+        "each violation, the method at work from 8 s before it, that reach the goal. "
         f"Hard: impacts of {HARD:g} m/s and more; touches: below {TOUCH:g} m/s. Doses: on violations."
     )
     return Table("Timing, other futures, impact speed", note, tuple(rows))

@@ -103,21 +103,21 @@ class AdreftRepair:
         if self._patience.has_ended:
             reason = f"let go until the score falls to {self.threshold:.3f}"
         action = self._opening.action(scene.time, self._action, is_due=score > bar)
+        how = ""
         if score > bar:
             triggers = attended(self.model.attention, tokens, scene)
             what = "criticality" if alarmed else "precaution: worth"
             reason = f"{what} {score:.3f} above {bar:.3f}"
             risk = self._need.pressing_risk()
             if risk is not None:
-                action, reason = ACTIONS[-1], f"{reason}; braking in full: risk {risk:.3f}"
+                action, how = ACTIONS[-1], f"; braking in full: risk {risk:.3f}"
             elif action < self._action:
-                reason += "; braking in full at first"
-        if (
-            scene.ego.speed < STANDING and action < configuration.holding
-        ):  # no harder braking keeps it where it is better
-            action, reason = configuration.holding, f"{reason.partition(';')[0]}; held where it stands"
+                how = "; braking in full at first"
+        # An ego that stands stays where it is, however hard the brakes are pressed.
+        if scene.ego.speed < STANDING and action < configuration.holding:
+            action, how = configuration.holding, "; held where it stands" if score > bar else ""
         worth = self.model.worth(values, asked, ACTIONS.index(action))
-        proposal = Proposal(score, bar, action, triggers, reason, worth)
+        proposal = Proposal(score, bar, action, triggers, reason + how, worth)
         if configuration.fresh and action >= asked:
             self._latch.reset()  # the adapter, or the policy by braking itself, has ended it
             self._held = 0
