@@ -7,7 +7,8 @@ from harness.eager_model import EagerAdreftModel
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.registry import TOKENIZERS, make_tokenizer
-from roadmend.training.adreft.network import AdreftNetwork, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork
+from roadmend.training.torch_state import tensors_of
 
 
 @pytest.mark.parametrize("tokens", sorted(TOKENIZERS))

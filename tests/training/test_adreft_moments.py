@@ -20,8 +20,9 @@ from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.holding import HoldingRepairer
 from roadmend.training.adreft.moment_plan import MomentPlan
 from roadmend.training.adreft.moments import gather_moments, moment_keys, moments_of_case
-from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork, save_model
 from roadmend.training.adreft.trial_plan import Hold
+from roadmend.training.torch_state import tensors_of
 
 from .blind import ENTRY, blind_corpus
 from .cases import Drawn

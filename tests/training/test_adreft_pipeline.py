@@ -18,11 +18,12 @@ from roadmend.training.adreft import pipeline
 from roadmend.training.adreft.calibration import monitor_quality
 from roadmend.training.adreft.configuration import PracticeSection, TrainingConfiguration
 from roadmend.training.adreft.futures_practice import FuturesPractice
-from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork, save_model
 from roadmend.training.adreft.pipeline import Pipeline
 from roadmend.training.adreft.rollouts_tuning import RolloutsTuning
 from roadmend.training.adreft.stage import RepairedPolicy, TrainingSubject
 from roadmend.training.closed_loop import evaluate_cases, summarise
+from roadmend.training.torch_state import tensors_of
 from roadmend.world import corpus as corpus_module
 from roadmend.world.corpus import save_corpus
 from roadmend.world.families import FAMILIES

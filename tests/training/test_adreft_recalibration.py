@@ -4,8 +4,9 @@ import pytest
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.weighing import DANGER, Weighing
 from roadmend.training.adreft.configuration import ModelSection
-from roadmend.training.adreft.network import AdreftNetwork, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork
 from roadmend.training.adreft.recalibration import fit_logits, fold, sigmoids
+from roadmend.training.torch_state import tensors_of
 
 
 @pytest.mark.parametrize(("slope", "offset"), [(1.0, 0.0), (0.4, -2.0), (2.5, 1.0)])

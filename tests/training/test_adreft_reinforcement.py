@@ -14,11 +14,12 @@ from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft.configuration import ModelSection, ReinforcementSection
 from roadmend.training.adreft.exploring import Rolled, Transitions, explore
-from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork, save_model
 from roadmend.training.adreft.reinforcement import ReinforcementStage
 from roadmend.training.adreft.stage import RepairedPolicy, StageRun, TrainingSubject, spread
 from roadmend.training.closed_loop import summarise
 from roadmend.training.device import choose_torch_device
+from roadmend.training.torch_state import tensors_of
 from tests.measures.results import episode
 
 MODEL = ModelSection(hidden=8, layers=1, heads=2, feed_forward=8, monitor=(4,), adapter=(24,)).configuration()

@@ -17,12 +17,13 @@ from roadmend.training.adreft.configuration import ModelSection
 from roadmend.training.adreft.deferred import DeferredRepairer
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.holding import HoldingRepairer
-from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork, save_model
 from roadmend.training.adreft.rollouts import RolloutPlan, _lost, gather_rollouts, rollouts_of_case
 from roadmend.training.adreft.rollouts_configuration import RolloutsSection
 from roadmend.training.adreft.rollouts_stage import RolloutsStage
 from roadmend.training.adreft.trial_plan import Hold
 from roadmend.training.device import choose_torch_device
+from roadmend.training.torch_state import tensors_of
 from roadmend.world.futures import Future
 
 from .blind import ENTRY, blind_corpus

@@ -8,9 +8,10 @@ from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import ModelSection
 from roadmend.training.adreft.gathering import Recipe
-from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork, save_model
 from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trials import PASS, CaseTrials, gather_trials, trial_keys, try_case
+from roadmend.training.torch_state import tensors_of
 
 from .cases import Drawn
 

@@ -19,9 +19,10 @@ from roadmend.core.fanout import fan_out
 from roadmend.core.journal import entry_key
 from roadmend.networks.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from roadmend.training.demonstrations import gather, ordinary_lesson
-from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network, tensors_of
+from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network
 from roadmend.training.imitation_configuration import ImitationConfiguration
 from roadmend.training.samples import Samples, load_samples, samples_digest, save_samples
+from roadmend.training.torch_state import tensors_of
 from roadmend.world.scenario_file import outside_content
 
 Report = Callable[[str, int, int, str], None]  # what is done, how much of it, of how much, and a word on how it goes

@@ -27,8 +27,9 @@ from roadmend.repair.adreft.model import KIND
 from roadmend.repair.registry import make_repairer
 from roadmend.training.demonstrations import Lesson, gather, ordinary_lesson
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds, repair_model
-from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network, tensors_of
+from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network
 from roadmend.training.samples import Samples, samples_digest
+from roadmend.training.torch_state import tensors_of
 from roadmend.training.tuning_guard import TunedCandidate, TuningGuard, TuningTrial, mixture
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario import Scenario
@@ -186,7 +187,7 @@ class _TuningWork:
         try:
             first = guard.first(self._driven(self.model, guard.hard), self._driven(self.model, guard.ordinary))
             kept = TunedCandidate(first, old)
-            found = [tried(number, _copied(network), loss) for number, (network, loss) in enumerate(epochs, 1)]
+            found = [tried(number, tensors_of(network), loss) for number, (network, loss) in enumerate(epochs, 1)]
             better = guard.ranked(found)
             for candidate in better:
                 judgement = judged(candidate)
@@ -264,13 +265,8 @@ class _TuningWork:
 def _run_through(epochs: Epochs) -> tuple[list[TuningTrial], Tensors]:
     trials, tensors = list[TuningTrial](), dict[str, NDArray[np.float32]]()
     for number, (network, loss) in enumerate(epochs, 1):
-        trials, tensors = [*trials, TuningTrial(number, None, None, loss)], _copied(network)
+        trials, tensors = [*trials, TuningTrial(number, None, None, loss)], tensors_of(network)
     return trials, tensors
-
-
-def _copied(network: NeuralNetwork) -> dict[str, NDArray[np.float32]]:
-    """The weights as they are now, whatever training goes on to do to them."""
-    return {name: array.copy() for name, array in tensors_of(network).items()}
 
 
 def _rows(shown: int, total: int, replayed: int, generator: np.random.Generator) -> NDArray[np.int64]:

@@ -55,11 +55,6 @@ def load_network(checkpoint: Checkpoint, path: Path) -> NeuralNetwork:
     return network
 
 
-def tensors_of(network: nn.Module) -> dict[str, NDArray[np.float32]]:
-    """The weights of a network, as a model file holds them."""
-    return {name: tensor.detach().cpu().numpy() for name, tensor in network.state_dict().items()}
-
-
 @dataclass(frozen=True, slots=True)
 class Losses:
     """Means over some samples."""

@@ -19,8 +19,7 @@ from roadmend.core.whole_file import written_beside
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.networks.encoder import Head, TextEncoder
 from roadmend.networks.shape import HeadShape, TextShape
-from roadmend.training.imitation import tensors_of
-from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
+from roadmend.training.torch_state import load_optimizer, optimizer_tensors, tensors_of
 
 UNASKED = -1  # an answer that is not known
 _SORTED_TOGETHER = 8  # batches whose texts are sorted by their length, so that little is padding

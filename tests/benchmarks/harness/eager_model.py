@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.model import AdreftModel
-from roadmend.training.adreft.network import AdreftNetwork, load_tensors, networks_of
+from roadmend.training.adreft.network import AdreftNetwork, networks_of
+from roadmend.training.torch_state import load_tensors
 
 
 class EagerAdreftModel(AdreftModel):

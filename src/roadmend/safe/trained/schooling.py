@@ -26,7 +26,6 @@ from roadmend.safe.trained.marked_text import MARKS
 from roadmend.safe.trained.outputs import CLAIMED, OF_PAIR, OF_PIECE, OF_TEXT, OF_VEHICLE, ReaderQuestion
 from roadmend.safe.trained.told_crashes import ToldCrash, told_lessons, told_line
 from roadmend.safe.trained.word_pieces import BEGIN, END, UNKNOWN, WordPieces
-from roadmend.training.imitation import tensors_of
 from roadmend.training.text_reading import (
     UNASKED,
     Draw,
@@ -37,6 +36,7 @@ from roadmend.training.text_reading import (
     fit,
     logits_of,
 )
+from roadmend.training.torch_state import tensors_of
 
 _TRUST = {each.name: 0.25 for each in CLAIMED} | {
     "action": 0.4,

@@ -24,10 +24,10 @@ from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.bystanders import forget
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.decision_set import DecisionBatch, DecisionSet
-from roadmend.training.adreft.network import AdreftNetwork, digest_of_tensors, load_tensors, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork, digest_of_tensors
 from roadmend.training.adreft.stage import StageRun
 from roadmend.training.adreft.supervised import check_identity
-from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
+from roadmend.training.torch_state import load_optimizer, load_tensors, optimizer_tensors, tensors_of
 
 KIND = "adreft-practice-state"
 # Of the adapter's outputs for a batch of decisions, by their indices.

@@ -48,26 +48,6 @@ class AdreftNetwork(nn.Module):
         return logit
 
 
-def tensors_of(module: nn.Module, prefix: str = "") -> dict[str, NDArray[Any]]:
-    """Copies of a module's parameters by name."""
-    return {prefix + name: value.detach().cpu().numpy().copy() for name, value in module.state_dict().items()}
-
-
-def load_tensors(module: nn.Module, tensors: Mapping[str, NDArray[Any]], prefix: str = "") -> None:
-    """Give a module the parameters that lie under a prefix.
-
-    Raises:
-        RuntimeError: names or shapes do not fit.
-    """
-    module.load_state_dict(
-        {
-            name.removeprefix(prefix): torch.from_numpy(np.array(value))
-            for name, value in tensors.items()
-            if name.startswith(prefix)
-        }
-    )
-
-
 def networks_of(tensors: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """The tensors of a model's file that AdreftNetwork takes: all but those of risk monitors."""
     return {name: value for name, value in tensors.items() if name.partition(".")[0] in _PARTS}

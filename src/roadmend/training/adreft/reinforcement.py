@@ -20,11 +20,11 @@ from roadmend.networks.encoder import Head
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.configuration import ReinforcementSection
 from roadmend.training.adreft.exploring import ReplayMemory, Roll, Rolled, Transitions, explore
-from roadmend.training.adreft.network import digest_of_cases, digest_of_tensors, load_tensors, save_model, tensors_of
+from roadmend.training.adreft.network import digest_of_cases, digest_of_tensors, save_model
 from roadmend.training.adreft.stage import StageRun, TrainingSubject, spread
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
-from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
+from roadmend.training.torch_state import load_optimizer, load_tensors, optimizer_tensors, tensors_of
 
 KIND = "adreft-reinforcement-state"
 _ADAPTER = "adapter."

@@ -14,11 +14,11 @@ from roadmend.core.errors import InputError
 from roadmend.networks.encoder import Head, SceneEncoder
 from roadmend.repair.adreft.risk_monitor import RiskConfiguration, RiskMonitor
 from roadmend.training.adreft.case_risks import CaseRisks
-from roadmend.training.adreft.network import load_tensors, tensors_of
 from roadmend.training.adreft.risk_settings import RiskSettings
 from roadmend.training.adreft.stage import Tensors
 from roadmend.training.adreft.token_rows import TokenRows
 from roadmend.training.device import one_thread
+from roadmend.training.torch_state import load_tensors, tensors_of
 
 _EMBED = "encoder.embed.weight"  # of the state monitor's encoder, shape (H, c)
 

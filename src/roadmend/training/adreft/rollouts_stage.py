@@ -21,9 +21,10 @@ from roadmend.networks.encoder import Head
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.weighing import AVERTED, CAUSED, DANGER
 from roadmend.training.adreft.case_rollouts import CaseRollouts
-from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork
 from roadmend.training.adreft.rollouts_configuration import RolloutsSection
 from roadmend.training.adreft.token_rows import TokenRows
+from roadmend.training.torch_state import load_tensors, tensors_of
 
 _ADAPTER = "adapter."
 _BLOCK = 256  # moments that are encoded in one go

@@ -21,9 +21,9 @@ from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.calibration import calibrate, monitor_quality
 from roadmend.training.adreft.configuration import SupervisedSection
 from roadmend.training.adreft.frames import FrameBatch, FrameSet
-from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork
 from roadmend.training.adreft.stage import StageRun
-from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
+from roadmend.training.torch_state import load_optimizer, load_tensors, optimizer_tensors, tensors_of
 
 KIND = "adreft-supervised-state"
 _JUDGED = 1024  # frames of a batch that is only judged

@@ -1,4 +1,4 @@
-"""The state of an optimizer as plain arrays, so that training can go on later as if it had never stopped."""
+"""Weights of networks and the state of optimizers as plain arrays, so that training can go on later as if it had never stopped."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,7 +6,28 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import nn
 from torch.optim import Optimizer
+
+
+def tensors_of(module: nn.Module, prefix: str = "") -> dict[str, NDArray[Any]]:
+    """Copies of a module's parameters by name."""
+    return {prefix + name: value.detach().cpu().numpy().copy() for name, value in module.state_dict().items()}
+
+
+def load_tensors(module: nn.Module, tensors: Mapping[str, NDArray[Any]], prefix: str = "") -> None:
+    """Give a module the parameters that lie under a prefix.
+
+    Raises:
+        RuntimeError: names or shapes do not fit.
+    """
+    module.load_state_dict(
+        {
+            name.removeprefix(prefix): torch.from_numpy(np.array(value))
+            for name, value in tensors.items()
+            if name.startswith(prefix)
+        }
+    )
 
 
 def optimizer_tensors(optimizer: Optimizer, prefix: str) -> dict[str, NDArray[Any]]:
