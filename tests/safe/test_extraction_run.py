@@ -1,10 +1,12 @@
 """Many reports: what goes wrong with one of them leaves the others alone, and so are files of somebody else's."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 from roadmend.core.errors import ForeignError, InputError
+from roadmend.safe.dsl_file import dump_crash_scenario
 from roadmend.safe.extraction import Extraction
 from roadmend.safe.extraction_run import extract_reports
 
@@ -95,3 +97,42 @@ def test_a_scenario_that_was_changed_since_it_was_read_is_named_and_stays(tmp_pa
     (tmp_path / "a.txt").write_text("V1 hit V2.")
     file.unlink()
     assert extract("one").scenario == content
+
+
+def test_a_scenario_that_was_changed_with_a_slip_stays(tmp_path):
+    (tmp_path / "a.txt").write_text("V1 hit V2.")
+    list(extract_reports([tmp_path / "a.txt"], Extracting(None), [], tmp_path / "out", 1))
+    file = tmp_path / "out" / "a.json"
+    edited = file.read_text().replace("}", "},,", 1)
+    file.write_text(edited)
+    (found,) = extract_reports([tmp_path / "a.txt"], Extracting(None), [], tmp_path / "out", 1)
+    assert f"{file}: is no longer what was read from" in found.error
+    assert file.read_text() == edited
+
+
+@pytest.mark.parametrize("content", [dump_crash_scenario(CROSSING, ".json"), "{}", "notes"])
+def test_a_scenario_that_no_call_wrote_is_named_and_stays(content, tmp_path):
+    (tmp_path / "a.txt").write_text("V1 hit V2.")
+    file = tmp_path / "a.json"
+    file.write_text(content)
+    (found,) = extract_reports([tmp_path / "a.txt"], Extracting(None), [], tmp_path, 1)
+    assert found.error.startswith(f"{file}: is there, and was not read from {tmp_path / 'a.txt'}; ")
+    assert file.read_text() == content
+    assert len([*tmp_path.iterdir()]) == 2
+
+
+def test_what_a_kill_leaves_between_the_files_is_done_again(tmp_path, monkeypatch):
+    def die_before_scenario(beside, path):
+        if path.name == "a.json":
+            raise KeyboardInterrupt
+        return renamed(beside, path)
+
+    (tmp_path / "a.txt").write_text("V1 hit V2.")
+    renamed = Path.replace
+    monkeypatch.setattr(Path, "replace", die_before_scenario)
+    with pytest.raises(KeyboardInterrupt):
+        list(extract_reports([tmp_path / "a.txt"], Extracting(None), [], tmp_path / "out", 1))
+    monkeypatch.undo()
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["a.evidence.json"]
+    (done,) = extract_reports([tmp_path / "a.txt"], Extracting(None), [], tmp_path / "out", 1)
+    assert done.error is None

@@ -28,6 +28,18 @@ def test_every_vehicle_takes_the_place_of_the_ego(tmp_path):
     assert built.problems == ()
 
 
+def test_a_scenario_that_was_changed_stays(tmp_path):
+    build_report(REPORT, EmbeddedExtractor(), tmp_path, 0, 0, unwatched)
+    build_report(REPORT, EmbeddedExtractor(), tmp_path, 0, 0, unwatched)
+    file = tmp_path / "told.json"
+    edited = file.read_text().replace("Pickup", "Sedan").replace("S2N", "N2S")
+    file.write_text(edited)
+    with pytest.raises(InputError, match=r"told.json: is no longer what was read from the report 'told'"):
+        build_report(REPORT, EmbeddedExtractor(), tmp_path, 1, 0, unwatched)
+    assert file.read_text() == edited
+    assert not (tmp_path / "scenarios").exists()
+
+
 def test_a_scenario_that_cannot_be_built_is_a_problem_and_no_end(tmp_path, monkeypatch):
     monkeypatch.setattr(
         report_build, "do", lambda job: do(job) if job.role.ego else replace(do(job), scenario="", note="no room")

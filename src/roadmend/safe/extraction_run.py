@@ -12,7 +12,7 @@ from typing import Any
 from roadmend.core.errors import ForeignError, InputError, RoadmendError
 from roadmend.core.journal import entry_key
 from roadmend.core.json_text import read_json
-from roadmend.core.whole_file import write_text
+from roadmend.core.whole_file import write_text, write_texts
 from roadmend.language.exchange import ENDING, Usage, dump_exchanges, usage_of
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.dsl_file import dump_crash_scenario, load_crash_scenario
@@ -50,8 +50,8 @@ def extract_reports(
 
     CASE.json is the scenario, CASE.evidence.json what each field rests on, CASE.exchanges.jsonl what was said to a
     language model and what it answered. A report whose files are there from an earlier run with the same settings is
-    not done again; one that failed is. A CASE.json that was changed since it was read is somebody's work: it stays, and
-    its report is not done.
+    not done again; one that failed is. A CASE.json that no call wrote, or that was changed since, is somebody's work: it
+    stays, and its report is not done.
 
     Args:
         paths: of the reports.
@@ -81,10 +81,10 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
         _remove_results(out, case)
         return Extracted(case, None, str(error), (), is_new=True)
     key = entry_key([__name__, type(extractor).__module__], report.digest(), *settings)
-    if _is_edited(out, case):
-        mend = "move it elsewhere, or delete it to have the report read anew"
-        edited = InputError(str(out / f"{case}.json"), f"is no longer what was read from {path}", mend)
-        return Extracted(case, None, str(edited), (), is_new=True)
+    try:
+        check_own(out, case, str(path))
+    except InputError as error:
+        return Extracted(case, None, str(error), (), is_new=True)
     known = _known(out, case, key)
     if known is not None:
         return known
@@ -100,12 +100,31 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
     return keep_extraction(extraction, case, key, out)
 
 
+def check_own(out: Path, case: str, source: str) -> None:
+    """Check that a report may be kept in a folder: that it would take the place of no work but that of an earlier call.
+
+    Args:
+        out: the folder.
+        case: name of the report.
+        source: what the message calls it.
+
+    Raises:
+        InputError: its CASE.json was changed since it was read, or is somebody else's.
+    """
+    if not _is_somebodys(out, case):
+        return
+    what = f"is no longer what was read from {source}"
+    if _evidence_of(out, case) is None:
+        what = f"is there, and was not read from {source}"
+    raise InputError(str(out / f"{case}.json"), what, "move it elsewhere, or delete it to have the report read anew")
+
+
 def _remove_results(out: Path, case: str) -> None:
     """Take away what an earlier call read, with other settings or of another text: what fails now shall not leave it.
 
     Files of these names that no call wrote stay, and so does a scenario that was changed since.
     """
-    if _evidence_of(out, case) is None or _is_edited(out, case):
+    if _evidence_of(out, case) is None or _is_somebodys(out, case):
         return
     for ending in (".html", ".json", ".evidence.json"):  # the last one says whose the others are
         with contextlib.suppress(OSError):  # who writes there next says what is wrong with the folder
@@ -121,16 +140,20 @@ def _evidence_of(out: Path, case: str) -> dict[str, Any] | None:
     return evidence if isinstance(evidence, dict) and "key" in evidence else None
 
 
-def _is_edited(out: Path, case: str) -> bool:
-    """Whether the scenario is another one than was read; a broken file is none."""
+def _is_somebodys(out: Path, case: str) -> bool:
+    """Whether there is a scenario that is another one than was read, readable or not."""
+    file = out / f"{case}.json"
+    # In this order: another process that keeps the same report puts the evidence there before the scenario.
+    if not file.is_file():
+        return False
     evidence = _evidence_of(out, case)
-    if evidence is None or "scenario" not in evidence:
+    if evidence is not None and "scenario" not in evidence:
         return False
     try:
-        text = dump_crash_scenario(load_crash_scenario(out / f"{case}.json"), ".json")
+        text = dump_crash_scenario(load_crash_scenario(file), ".json")
     except InputError:
-        return False
-    return bool(_digest(text) != evidence["scenario"])
+        return file.is_file()
+    return evidence is None or bool(_digest(text) != evidence["scenario"])
 
 
 def _digest(text: str) -> str:
@@ -150,7 +173,7 @@ def _known(out: Path, case: str, key: str) -> Extracted | None:
 
 
 def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> Extracted:
-    """Write the files of one extraction, as :func:`extract_reports` describes them.
+    """Write the files of one extraction, as :func:`extract_reports` describes them, in the place of an earlier call's.
 
     Args:
         extraction: of the report.
@@ -173,9 +196,10 @@ def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> E
     }
     if extraction.exchanges:
         write_text(out / f"{case}{ENDING}", dump_exchanges(extraction.exchanges))
-    write_text(out / f"{case}.json", text)
-    # Last, for it is what tells a later run that the report is done.
-    write_text(out / f"{case}.evidence.json", json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    _remove_results(out, case)
+    # The scenario takes its place last: one without evidence is somebody else's, and evidence alone is done again.
+    evidence = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    write_texts(out, {f"{case}.json": text, f"{case}.evidence.json": evidence})
     scenario = dump_data(extraction.scenario)
     usage = usage_of(extraction.exchanges)
     return Extracted(

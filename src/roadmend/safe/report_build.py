@@ -11,7 +11,7 @@ from roadmend.safe.cases import CrashCase
 from roadmend.safe.construction import role_title
 from roadmend.safe.driving import Task, do
 from roadmend.safe.extraction import Extraction, Extractor, Step, Watch
-from roadmend.safe.extraction_run import Extracted, keep_extraction
+from roadmend.safe.extraction_run import Extracted, check_own, keep_extraction
 from roadmend.safe.planning import plan
 from roadmend.safe.report import CrashReport
 
@@ -71,10 +71,12 @@ def build_report(
 
     Raises:
         ExtractionError: the report could not be read.
-        InputError: there are too many samples, or the folder cannot be written.
+        InputError: there are too many samples, the folder cannot be written, or it holds a scenario of the report's
+            name that no call wrote or that was changed since.
     """
     if samples > MOST_SAMPLES:
         raise InputError("samples", f"{samples} is too many", f"ask for at most {MOST_SAMPLES}")
+    check_own(out, report.case, f"the report {report.case!r}")
     extraction = extractor.extract(report, watch)
     extracted = keep_extraction(extraction, report.case, report.digest(), out)
     jobs = plan(Task.BUILD, [CrashCase(report.case, extraction.scenario)], [""], out, samples=samples, seed=seed)
