@@ -30,6 +30,7 @@ def test_a_run_that_does_not_repeat_itself_is_refused(tmp_path, capsys):
         assert main(["bag", *command, str(SAMPLES / "faults"), "--futures", "1"]) == 2
         said = capsys.readouterr()
         assert "differs at" in said.err.splitlines()[-1]
+        assert "--from-time" not in said.err, "none of these has that option"
         assert said.out == ""
     assert not list(tmp_path.iterdir())
 

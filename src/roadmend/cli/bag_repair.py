@@ -191,7 +191,7 @@ def resimulate_bag(
     then = recorded_result(ticks, plan)
     if not from_time <= then.duration:
         raise InputError("--from-time", f"{from_time:g} s is after the end", f"give 0 to {then.duration:g} s")
-    switchover = Switchover(ticks, choice.make(), from_time)
+    switchover = Switchover(ticks, choice.make(), from_time, "drive from the start with --from-time 0")
     with new_bag(out) as writer, Waiting(f"{plan.scenario.name} · {choice.method}"):
         for attachment in reader.attachments.values():
             writer.add_attachment(attachment.name, attachment.media_type, attachment.data)

@@ -26,13 +26,15 @@ class Switchover:
         ticks: the recorded run.
         repairer: who takes over.
         from_time: when [s of simulation time]; the recorded commands of all earlier ticks are driven.
+        way_out: what else helps where the world differs, for the message.
     """
 
-    def __init__(self, ticks: BagTicks, repairer: Repairer, from_time: float) -> None:
+    def __init__(self, ticks: BagTicks, repairer: Repairer, from_time: float, way_out: str = "") -> None:
         self.name = repairer.name
         self._path = ticks.path
         self._recorded: Iterator[BagTick] = iter(ticks)
         self._repairer = repairer
+        self._way_out = way_out
         self._from_ns = round(from_time * _NANOSECONDS)
         self._is_over = False  # whether the recorded part has been driven
         self.route: Route | None = None  # once an episode has begun
@@ -83,8 +85,9 @@ class Switchover:
             raise self._differs(scene, "the traffic lights are not what they were")
         return recorded
 
-    def _differs(self, scene: Scene, how: str, other: str = "drive from the start with --from-time 0") -> InputError:
-        mend = f"take a bag of a lockstep run of this version, or {other}"
+    def _differs(self, scene: Scene, how: str, way_out: str = "") -> InputError:
+        ways = ["take a bag of a lockstep run of this version", way_out or self._way_out]
+        mend = ", or ".join(filter(None, ways))
         return InputError(str(self._path), f"the world differs at {scene.time:.2f} s: {how}", mend)
 
 
