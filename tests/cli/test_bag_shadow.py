@@ -88,11 +88,13 @@ def test_a_setting_changes_what_a_method_would_do(shadow, tmp_path):
 
 def test_ticks_that_lack_something_are_answered_with_a_stop_that_says_so(altered, shadow):
     lost = {"/policy/command": 2_000_000_000, "/objects": 3_000_000_000}
-    _, out = shadow(
+    told, out = shadow(
         "--repair",
         "none",
         bag=altered(lambda record: None if lost.get(record.topic) == record.time_ns else record.data),
     )
+    assert told["not_asked"] == 2
+    assert told["not_asked_why"].startswith("2.00 s: STALE_COMMAND, controlled stop at brake ")
     states = by_stamp(out, "/shadow/repair/state")
     assert states[2, 0].state == states[2, 0].STALE_COMMAND
     assert "the bag lacks the policy's command" in states[2, 0].reason

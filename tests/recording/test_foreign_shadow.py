@@ -73,8 +73,24 @@ def test_with_nobody_in_the_way_only_the_start_differs(tmp_path):
 
 
 def test_where_the_objects_end_it_stops(tmp_path):
-    _, seen = shadow(record(tmp_path / "short", stands_at=900.0, objects_until=2.0))
+    summary, seen = shadow(record(tmp_path / "short", stands_at=900.0, objects_until=2.0))
     assert "no objects: the last" in seen[-1][1].repair.reason
+    assert 40 < summary.not_asked < 60
+    assert "s: STA" in summary.not_asked_why
+
+
+def test_answers_that_are_not_the_methods_are_told_apart(bag, monkeypatch, tmp_path, capsys):
+    assert shadow(bag)[0].not_asked <= 1
+    capsys.readouterr()
+
+    def fail(*_arguments):
+        raise ValueError("objects are in the frame 'lidar'")
+
+    monkeypatch.setattr(OBJECT_READERS["vision_msgs/msg/Detection3DArray"], "read", fail)
+    assert main(["bag", "shadow", str(bag), "--repair", "rss", *OPTIONS, "--out", str(tmp_path / "shadow")]) == 0
+    line = capsys.readouterr().err.splitlines()[-1]
+    assert line.startswith("rss: 100 of 100 answers are not its own, first at 100.00 s: STARTING, ")
+    assert line.endswith("no objects: objects are in the frame 'lidar'")
 
 
 def test_the_command_writes_a_bag_beside_which_the_recorded_lies_as_it_was(bag, tmp_path, capsys):

@@ -53,6 +53,9 @@ def shadow(bag: Path, given: RepairOptions, foreign: ForeignBagOptions, out: Pat
         choice = choice.braking(foreign.full_brake)
         summary = shadow_foreign_bag(bag, choice, foreign.topics, foreign, out)
     tell_choice(given, choice, driver)
+    if summary.not_asked:
+        told = f"{summary.not_asked} of {summary.ticks} answers are not its own, first at {summary.not_asked_why}"
+        click.echo(f"{choice.method}: {told}", err=True)
     if as_json:
         click.echo(json.dumps({**choice.provenance(), **asdict(summary), "bag": str(out)}, indent=2))
     else:

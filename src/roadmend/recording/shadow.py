@@ -24,6 +24,12 @@ class ShadowSummary:
     agreement: float  # share of the ticks with the same throttle and brake
     first_difference: float | None  # [s] simulation time; None where all agree
     acceleration_difference: float  # [m/s2] mean of |asked now - asked then|, before lag and drag
+    not_asked: int = 0  # ticks whose answer is not the other method's, since something was missing or unusable
+    not_asked_why: str = ""  # time, state and reason of the first one; empty where there is none
+
+
+# What a repair node answers with the method's own judgement.
+_JUDGED = {RepairStatus.PASS, RepairStatus.REPAIRED, RepairStatus.RESET}
 
 
 class ShadowComparison:
@@ -34,6 +40,8 @@ class ShadowComparison:
         self._then = self._now = self._same = 0
         self._first: float | None = None
         self._difference = 0.0
+        self._not_asked = 0
+        self._first_not_asked: tuple[float, Repair] | None = None
 
     def add(self, time: float, done: Command, answer: Repair, speed: float, *, intervened: bool) -> None:
         """One answer of the other method, in any order.
@@ -49,6 +57,10 @@ class ShadowComparison:
         self.count += 1
         self._then += intervened
         self._now += answer.intervened
+        if answer.status not in _JUDGED:
+            self._not_asked += 1
+            if self._first_not_asked is None or time < self._first_not_asked[0]:
+                self._first_not_asked = time, answer
         if (command.throttle, command.brake) == (done.throttle, done.brake):
             self._same += 1
         elif self._first is None or time < self._first:
@@ -60,7 +72,20 @@ class ShadowComparison:
         """Of all answers; there must be one. ``is_repaired``: whether it is known what the method of then did."""
         count = self.count
         then = self._then if is_repaired else None
-        return ShadowSummary(count, then, self._now, self._same / count, self._first, self._difference / count)
+        why = ""
+        if self._first_not_asked is not None:
+            time, answer = self._first_not_asked
+            why = f"{time:.2f} s: {answer.status.name}, {answer.reason}"
+        return ShadowSummary(
+            count,
+            then,
+            self._now,
+            self._same / count,
+            self._first,
+            self._difference / count,
+            self._not_asked,
+            why,
+        )
 
 
 Watcher = Callable[[BagTick, Repair], None]
