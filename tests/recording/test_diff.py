@@ -72,6 +72,17 @@ def test_equal_bags(bag):
     assert diff.metadata == {}
 
 
+def test_a_final_tick_that_is_sent_twice_is_one_of_the_distance(tmp_path):
+    for name, shift in (("a", 0.0), ("b", 3.0)):
+        with BagWriter(tmp_path / name) as writer:
+            writer.add_topic("/ego", ODOMETRY)
+            for tick, off in ((0, 0.0), (1, shift), (1, shift)):
+                writer.write("/ego", tick * TICK, cdr(odometry(tick + off)))
+    diff = bag_diff(tmp_path / "a", tmp_path / "b")
+    distance = diff.trajectories["/ego"]
+    assert (diff.ticks, distance.ticks, distance.mean, distance.last) == (2, 2, 1.5, 3.0)
+
+
 def test_padding_is_no_difference(bag):
     assert bag_diff(bag("a"), bag("b", padding=b"\x12\x34")).is_equal
 

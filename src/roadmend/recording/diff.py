@@ -121,6 +121,7 @@ class _Comparison:
     def __init__(self, diff: BagDiff, first: BagReader, second: BagReader) -> None:
         self._diff = diff
         self._readers = first, second
+        self._placed: dict[str, float] = {}  # by topic of odometry, the time [s] of the last one that was counted
 
     def tick(self, time_ns: int, first: Tick, second: Tick) -> None:
         time_s = time_ns / _SECOND
@@ -170,8 +171,10 @@ class _Comparison:
 
     def _place(self, name: str, distance: float, time_s: float) -> None:
         trajectory = self._diff.trajectories.setdefault(name, TrajectoryDistance(name))
-        trajectory.ticks += 1
-        trajectory.mean += (distance - trajectory.mean) / trajectory.ticks
+        if self._placed.get(name) != time_s:  # the final tick's odometry is sent twice
+            self._placed[name] = time_s
+            trajectory.ticks += 1
+            trajectory.mean += (distance - trajectory.mean) / trajectory.ticks
         trajectory.last = distance
         if distance > trajectory.largest:
             trajectory.largest, trajectory.largest_at = distance, time_s
