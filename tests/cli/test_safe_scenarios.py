@@ -94,6 +94,15 @@ def test_reproduce_says_so_too_where_no_role_runs(crash, tmp_path, capsys, monke
     assert error.endswith(": cannot be built\n")
 
 
+def test_reproduce_is_done_where_every_role_ran_and_nobody_touched_anybody(crash, tmp_path, capsys, monkeypatch):
+    missed = CrashTestResult(
+        "head-on", 1, "modular", note="no contact; the nearest was 0.9 m", reproduced=False, episodes=9
+    )
+    monkeypatch.setattr(safe, "do_all", lambda *_: [missed])
+    arguments = ("safe", "reproduce", crash, "--out", tmp_path / "out", "--no-pictures", "--workers", 1)
+    assert run(capsys, *arguments)[0::2] == (0, "")
+
+
 def test_export_writes_both_formats(crash, tmp_path, capsys):
     out = tmp_path / "out"
     run(capsys, "safe", "build", crash, "--out", out, "--samples", 1, "--workers", 1)

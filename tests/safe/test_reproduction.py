@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from roadmend.core.errors import SimulationError
 from roadmend.core.outcome import EventKind
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
@@ -55,6 +56,15 @@ def test_a_budget_that_runs_out_says_how_near_it_came():
     found = reproduce(role(ALL["parked"], 0), "modular", 2)
     assert (found.scenario, found.episodes) == (None, 2)
     assert "nearest" in found.outcome
+
+
+def test_no_episode_was_driven_where_none_could_be(monkeypatch):
+    def fail(*_arguments):
+        raise SimulationError("no room")
+
+    monkeypatch.setattr(reproduction, "run_trial", fail)
+    found = reproduce(role(ALL["parked"], 0), "modular", 2)
+    assert (found.scenario, found.episodes, found.outcome) == (None, 0, "no room")
 
 
 def test_the_nearest_is_told_in_metres_and_is_the_least_of_all(monkeypatch):

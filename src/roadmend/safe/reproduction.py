@@ -39,7 +39,7 @@ class CrashReproduction:
         report: its name.
         vehicle: number of the vehicle whose place the ego took, from 1; None where it looked on.
         policy: name.
-        episodes: driven until the crash happened, or in all.
+        episodes: driven until the crash happened, or in all; 0 where none could be.
         scenario: the one that is most like the described crash; None if nobody ever touched anybody.
         outcome: text of that episode's end, or why there is none.
         trial: that episode.
@@ -111,7 +111,8 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
         if best is None or gap < best[0] or episode % _RESTART == 0:
             best = (gap, drawn, trial)
     if found is None:
-        return CrashReproduction(role.report, role.number, policy, budget, None, said)
+        driven = 0 if best is None else budget  # none, where not one of the draws could be built and run
+        return CrashReproduction(role.report, role.number, policy, driven, None, said)
     said = "; ".join(found.own.failed.values())
     name = plain_name(f"{role.report}-{role.name}-{NEAREST}-{policy}")  # a copy is not validated
     closest = found.scenario.model_copy(update={"name": name})
