@@ -8,8 +8,9 @@ import pytest
 from PIL import Image
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import write_text
 from roadmend.safe.cases import gather_cases
-from roadmend.safe.report import MAX_SUMMARY, find_reports, load_report
+from roadmend.safe.report import MAX_SUMMARY, find_reports, load_report, report_of_text
 
 
 def png(size=(8, 8)):
@@ -124,3 +125,23 @@ def test_no_reports(folder):
     (folder.parent / "case.txt").write_text("x")
     with pytest.raises(InputError, match=r"case.txt: has the name of .*case; rename one of them"):
         find_reports(folder.parent)
+
+
+def test_a_name_that_belongs_to_the_files_of_another_report_is_refused(tmp_path):
+    for name in ("a.txt", "a.evidence.txt"):
+        (tmp_path / name).write_text("V1 hit V2.")
+    with pytest.raises(InputError, match=r"a\.evidence\.txt: has a name that ends in \.evidence, .*; rename it"):
+        find_reports(tmp_path)
+    with pytest.raises(InputError, match="cannot be a file's"):
+        report_of_text("a.evidence", "V1 hit V2.")
+
+
+@pytest.mark.parametrize("letter", ["l", "\u0436"])
+def test_a_name_too_long_for_the_files_that_go_by_it_is_the_reports_own_fault(letter, tmp_path):
+    letters = 200 // len(letter.encode())
+    (tmp_path / f"{letter * letters}.txt").write_text("V1 hit V2.")
+    (path,) = find_reports(tmp_path)
+    write_text(tmp_path / f"{load_report(path).case}-onlooker-reproduced-modular.yaml", "")
+    longer = path.rename(path.with_stem(letter * (letters + 1)))
+    with pytest.raises(InputError, match="has a name of more than 200 bytes; rename it"):
+        load_report(longer)

@@ -10,9 +10,15 @@ from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_file import load_crash_scenario
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import Extraction
-from roadmend.safe.report import LANGUAGE_SUFFIXES, CrashReport, case_of, find_reports, load_report, looking_through
-
-_EVIDENCE = ".evidence"  # what 'roadmend safe extract' writes beside a scenario
+from roadmend.safe.report import (
+    EVIDENCE,
+    LANGUAGE_SUFFIXES,
+    CrashReport,
+    case_of,
+    find_reports,
+    load_report,
+    looking_through,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +75,7 @@ def _of_language(path: Path) -> list[Path]:
     entries = sorted(path.iterdir()) if path.is_dir() else []
     if any(each.is_dir() or each.suffix.lower() == ".txt" for each in entries):
         return []
-    return [each for each in entries if each.suffix in LANGUAGE_SUFFIXES and not each.stem.endswith(_EVIDENCE)]
+    return [each for each in entries if each.suffix in LANGUAGE_SUFFIXES and not each.stem.endswith(EVIDENCE)]
 
 
 def _from_language(path: Path) -> CrashCase:

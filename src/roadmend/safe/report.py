@@ -1,6 +1,7 @@
 """Crash reports on disk: a folder with a summary and perhaps a sketch, or a text file alone."""
 
 import hashlib
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,6 +18,7 @@ from roadmend.safe.picture_file import UNREADABLE, open_picture_file
 
 MAX_SUMMARY = 60_000  # [characters] the longest report of NHTSA that we know has 6000
 _SKETCHES = (".jpg", ".jpeg", ".png", ".gif", ".webp", ".bmp", ".tif", ".tiff")
+_NAME_BYTES = 200  # of a report's name, so that with the ending of any file it stays below the 255 that there may be
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}")
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
@@ -45,6 +47,7 @@ class CrashReport:
 
 
 LANGUAGE_SUFFIXES = {".json", ".yaml", ".yml"}  # of files of the scenario language
+EVIDENCE = ".evidence"  # stands in the name of what 'roadmend safe extract' writes beside a scenario
 
 
 @contextmanager
@@ -65,13 +68,17 @@ def find_reports(*paths: Path) -> tuple[Path, ...]:
     """The reports at some paths: each itself, or what a folder of reports holds.
 
     Raises:
-        InputError: there is none at one of them, a folder cannot be read, or two have one name, which files go by.
+        InputError: there is none at one of them, a folder cannot be read, or two have one name, which files go by, or
+            one that belongs to the files of another.
     """
     with looking_through():
         reports = tuple(report for path in paths for report in _reports_at(path))
     seen: dict[str, Path] = {}
     for report in reports:
         name = case_of(report)
+        if name.endswith(EVIDENCE):
+            what = f"has a name that ends in {EVIDENCE}, as files do that say what a reading rests on"
+            raise InputError(str(report), what, "rename it")
         if name in seen:
             raise InputError(str(report), f"has the name of {seen[name]}", "rename one of them")
         seen[name] = report
@@ -114,8 +121,11 @@ def load_report(path: Path) -> CrashReport:
     """Read one report.
 
     Raises:
-        InputError: the summary is missing, empty, too long, or no text, or the folder cannot be read.
+        InputError: the summary is missing, empty, too long, or no text, the name is too long for the files that go by
+            it, or the folder cannot be read.
     """
+    if len(os.fsencode(case_of(path))) > _NAME_BYTES:
+        raise InputError(str(path), f"has a name of more than {_NAME_BYTES} bytes", "rename it: files are called by it")
     with looking_through():
         summary = path if path.is_file() else _summary_of(path)
     if summary is None:
@@ -137,8 +147,9 @@ def report_of_text(case: str, summary: str) -> CrashReport:
     Raises:
         InputError: the name cannot be a file's, or the summary is empty, too long, or no text.
     """
-    if not _NAME.fullmatch(case):
-        raise InputError(f"name {case[:60]!r}", "cannot be a file's", "use letters, digits, '.', '_' and '-'")
+    if not _NAME.fullmatch(case) or case.endswith(EVIDENCE):
+        mend = f"use letters, digits, '.', '_' and '-', and do not end in {EVIDENCE}"
+        raise InputError(f"name {case[:60]!r}", "cannot be a file's", mend)
     return CrashReport(case, _checked(summary, "the summary"), None, ("the report has no sketch",))
 
 
