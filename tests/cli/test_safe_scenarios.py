@@ -61,6 +61,15 @@ def test_a_test_writes_its_report_with_pictures_beside_the_sketch_and_goes_on(re
     assert (out / "pictures" / "head-on-v2-0-modular.png").is_file(), "what has gone is made again"
 
 
+def test_a_test_says_why_an_episode_could_not_be_driven(crash, tmp_path, capsys, monkeypatch):
+    idle = CrashTestResult("head-on", 1, "modular", note="policy mine:Own: failed in step")
+    monkeypatch.setattr(safe, "do_all", lambda *_: [idle])
+    arguments = ("safe", "test", crash, "--out", tmp_path / "out", "--no-pictures", "--workers", 1)
+    for more in ((), ("--json",)):
+        code, _, error = run(capsys, *arguments, *more)
+        assert (code, error) == (1, "head-on, vehicle 1, modular: policy mine:Own: failed in step\n")
+
+
 def test_reproduce_finds_the_crash_and_names_the_report(crash, tmp_path, capsys):
     out = tmp_path / "out"
     code, text, _ = run(

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from roadmend.cli import search as command_of_search
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError
 from roadmend.core.scene import EgoState, ObjectList, Scene
@@ -20,7 +21,7 @@ from roadmend.search.attempt import CRASH
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
 from roadmend.search.campaign import Campaign, run_campaign, summarise
 from roadmend.search.danger import CLOSING_WEIGHT, FARTHEST, HORIZON, Danger
-from roadmend.search.evaluation import BEST, CRASH_FITNESS, NamedPoint, Subject, evaluate, evaluate_scenario
+from roadmend.search.evaluation import BEST, CRASH_FITNESS, Evaluation, NamedPoint, Subject, evaluate, evaluate_scenario
 from roadmend.search.ledger import Ledger
 from roadmend.search.registry import TECHNIQUES, read_technique_parameters
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -194,6 +195,17 @@ def test_a_point_that_cannot_be_run_is_a_result():
     crashed = evaluate(Subject("S5", "modular", "none", 0), NamedPoint("one", {"lanes": 2}))
     assert (crashed.outcome, crashed.digest, crashed.fitness) == (CRASH, "", CRASH_FITNESS)
     assert "KeyError" in crashed.text
+
+
+def test_the_command_says_why_points_could_not_be_run(tmp_path, capsys, monkeypatch):
+    def fail(_subject, point):
+        return Evaluation(None, f"KeyError: {point.name}", CRASH_FITNESS, (0.0,) * FEATURES)
+
+    monkeypatch.setattr(command_of_search, "evaluate", fail)
+    arguments = ["search", "--family", "S5", "--technique", "random", "--budget", "2", "--workers", "1"]
+    for more in ([], ["--json"]):
+        assert main([*arguments, "--out", str(tmp_path), *more]) == 1
+        assert "2 of 2 could not be run, first: KeyError: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("names", [("S9", "modular", "none"), ("S1", "nobody", "none"), ("S1", "modular", "magic")])

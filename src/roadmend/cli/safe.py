@@ -277,6 +277,9 @@ def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pi
     }
     write_texts(given.out, report_of_tests(cases, tallies, results, given.out))
     content = {policy: found.as_dict() for policy, found in tallies.items()}
+    for result in results:
+        if result.driven is None:
+            click.echo(f"{result.report}, {role_title(result.vehicle)}, {result.policy}: {result.text}", err=True)
     if given.as_json:
         click.echo(json.dumps(content, indent=2))
     else:

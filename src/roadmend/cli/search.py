@@ -95,6 +95,9 @@ def search(given: SearchOptions) -> int:
                     campaign, ledger, partial(mapper, partial(evaluate, campaign.subject)), given.budget, report
                 )
         found = summarise(ledger.entries)
+        faults = [entry.evaluation.fault for entry in ledger.entries if entry.evaluation.fault]
+    if faults:
+        click.echo(f"{len(faults)} of {found.evaluated} could not be run, first: {faults[0]}", err=True)
     if given.as_json:
         click.echo(json.dumps({**campaign.settings, **asdict(found), "folder": str(given.out)}, indent=2))
     else:
