@@ -242,6 +242,23 @@ def test_a_bag_that_is_broken_further_on_ends_the_replay_with_its_line(bench, ba
     assert "was cut short or is corrupt" in capfd.readouterr().err
 
 
+@pytest.mark.parametrize(("latched", "time"), [("transient_local", -1), ("volatile", 2 * TICK_NS)])
+def test_bytes_that_are_no_message_end_the_replay_with_a_line(bench, tmp_path, capfd, latched, time):
+    other = tmp_path / "other"
+    with BagWriter(other) as writer:
+        writer.add_topic("/note", "std_msgs/msg/Bool", [Qos(depth=1, durability=latched)])
+        writer.add_topic("/policy/command", "roadmend_msgs/msg/Command", [Qos(depth=1)])
+        writer.write("/note", max(time, 0), b"(\xb5/\xfd" + bytes(60))  # as zstd begins
+        for tick in range(COUNT):
+            writer.write("/policy/command", tick * TICK_NS, command(tick))
+    there = bench(bag=str(other), start_offset=0.0 if time > 0 else 0.1)
+    there.node._players.publishers["/note"] = there.node._players.publishers["/note"]._publisher
+    there.begin()
+    there.wait(1.0)
+    assert (there.node.finished, there.node.exit_code) == (True, 2)
+    assert f"{other}: a message on /note is not a std_msgs/msg/Bool; take another bag" in capfd.readouterr().err
+
+
 # -- topics ------------------------------------------------------------------------------------------------------------
 
 

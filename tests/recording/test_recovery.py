@@ -14,6 +14,7 @@ from rosbags.highlevel import AnyReader
 from roadmend.core.errors import InputError
 from roadmend.recording import recovery
 from roadmend.recording.definitions import find
+from roadmend.recording.info import bag_info
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
 from roadmend.recording.recovery import recover
@@ -203,6 +204,18 @@ def test_a_bag_without_metadata_file_and_with_a_file_missing(tmp_path, make):
     assert recovery.missing == ["metadata.yaml: is missing", "bag_5.mcap: is empty"]
     texts = [message.value.data for message in BagReader(tmp_path / "two").messages()]
     assert texts == ["0", "1", "2", "4", "6", "7", "8", "9", "10", "11"]
+
+
+def test_a_bag_whose_messages_are_compressed_is_not_taken_for_one_of_damaged_metadata(tmp_path, make):
+    with BagWriter(tmp_path / "bag") as writer:
+        writer.add_topic("/text", TEXT)
+        writer.write("/text", 0, make.text("squeezed"))
+    metadata = tmp_path / "bag" / "metadata.yaml"
+    metadata.write_text(metadata.read_text().replace("compression_mode: ''", "compression_mode: message"))
+    for read in (lambda path: recover(path, tmp_path / "out"), bag_info):
+        with pytest.raises(InputError, match="the bag is compressed by message; rewrite it with 'ros2 bag convert'"):
+            read(tmp_path / "bag")
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.fixture

@@ -31,6 +31,7 @@ class Players:
         self.skipped: dict[str, str] = {}  # topic and why
         self.count = 0  # messages so far
         self._node = node
+        self._bag = str(reader.path)
         for name in topics:
             topic = reader.topics[name]
             try:
@@ -48,11 +49,19 @@ class Players:
             raise InputError(str(reader.path), "no topic can be played", next(iter(self.skipped.values())))
 
     def play(self, records: Sequence[Record]) -> None:
-        """Publish messages; those of other topics are left out."""
+        """Publish messages; those of other topics are left out.
+
+        Raises:
+            InputError: one is not what its topic holds.
+        """
         for record in records:
             publisher = self.publishers.get(record.topic)
             if publisher is not None:
-                publisher.publish(record.data)
+                try:
+                    publisher.publish(record.data)
+                except RuntimeError:  # RCLError: for DDS they are more bytes than the type can have
+                    what = f"a message on {record.topic} is not a {record.type_name}"
+                    raise InputError(self._bag, what, "take another bag") from None
                 self.count += 1
 
     def repeat(self, records: Sequence[Record]) -> None:

@@ -24,7 +24,7 @@ from roadmend.nodes.recorder_progress import ProgressWatch
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import topics
 from roadmend.recording.messages import stamp_of_bytes
-from roadmend.recording.reader import BagReader
+from roadmend.recording.reader import BagReader, Record
 from roadmend.recording.replay import (
     Playhead,
     ReplaySource,
@@ -161,11 +161,11 @@ class ReplayNode(Node):
             self._settled = (count, now - SETTLE_S + ASK_S)
             return False
         self._begun = True
-        self._players.play(self._source.latched())
+        self._publish(self._source.latched())
         self._next = self._read()
-        if self._next is None:
-            if not self.finished:
-                self._fail("start: no message of the topics to play comes after it; begin earlier", 2)
+        if self._next is None and not self.finished:
+            self._fail("start: no message of the topics to play comes after it; begin earlier", 2)
+        if self.finished:
             return False
         self._playhead.seek(self._source.start_ns, now)
         length = (self._source.end_ns - self._source.start_ns) / _NANOSECONDS
@@ -212,8 +212,15 @@ class ReplayNode(Node):
         self._published = (now, now)
         if self._makes_clock:
             self._clock_publisher.publish(ClockMessage(clock=Time(nanoseconds=tick.time_ns).to_msg()))
-        self._players.play(tick.records)
+        self._publish(tick.records)
         self._next = self._read()
+
+    def _publish(self, records: Sequence[Record]) -> None:
+        """Publish messages; what is none ends the replay."""
+        try:
+            self._players.play(records)
+        except InputError as error:
+            self._fail(error, 2)
 
     def _read(self) -> ReplayTick | None:
         """The next tick; a bag that turns out to be broken ends the replay."""

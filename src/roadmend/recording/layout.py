@@ -136,6 +136,18 @@ def files_of(path: Path) -> list[Path]:
     return [metadata.parent / name for name in information["relative_file_paths"]]
 
 
+def is_compressed(path: Path) -> bool:
+    """Whether the metadata of a bag say that its messages, or its files, are compressed as a whole, as rosbag2 does it.
+
+    Args:
+        path: a bag's folder, or its metadata.yaml; False where that cannot be read.
+    """
+    try:
+        return bool(read_metadata(path).get("compression_mode"))
+    except InputError:
+        return False
+
+
 def folder_of(path: Path) -> Path:
     """The folder of a bag that is named by its folder, its metadata.yaml or a file of its own."""
     return path if path.is_dir() else path.parent

@@ -81,7 +81,7 @@ def files_left(path: Path) -> tuple[list[Path], list[str]]:
     try:
         named = layout.files_of(path)
     except InputError as error:
-        if not found:
+        if not found or layout.is_compressed(path):  # whose bytes would pass for messages that they are not
             raise
         missing.append(f"{layout.METADATA_FILE}: {error.what}")
         named = found
