@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.errors import ForeignError, InputError
+from roadmend.core.plain_moment import plain_moment
 from roadmend.core.repair import RepairStatus
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
@@ -73,6 +74,18 @@ def test_one_that_fails_on_the_way_is_said_with_time_and_place(own, tmp_path):
             "return Decision(Command(0.0, 0.0), Trajectory(0.5, 1.0, [2.0], [0.0], [1.0]))",
             "answered with float; answer with a Trajectory whose x is a row of numbers",
         ),
+        (
+            "return Decision(Command(0.0, 0.0), Trajectory(None, [1.0], [2.0], [0.0], [1.0]))",
+            "answered with NoneType; answer with a Trajectory whose interval is a number",
+        ),
+        (
+            "return Decision(Command(0.0, 0.0), Trajectory(0.5, [1.0], [2.0], [0.0], [1.0], None))",
+            "answered with NoneType; answer with a Trajectory whose behaviour is a text",
+        ),
+        (
+            "return Decision(Command(0.0, 0.0), Trajectory(0.5, [1.0], [2.0], [0.0], [1.0], chr(0xD800)))",
+            "answered with str; answer with a Trajectory whose behaviour is a text",
+        ),
         ("return scene.nothing", "failed in step at 0.00 s: AttributeError"),
     ],
 )
@@ -96,6 +109,15 @@ def test_a_plan_of_lists_or_other_numbers_is_a_plan(own, speeds):
     assert len(seen) == 60
     assert all(decision.trajectory.speed.dtype == np.float64 for decision, _ in seen)
     assert not any(repair.status is RepairStatus.MODEL_FAULT or "trajectory" in repair.reason for _, repair in seen)
+
+
+def test_an_interval_of_one_number_is_a_number_however_it_is_written(own):
+    plan = "Trajectory(__import__('numpy').array([0.5]), [scene.ego.x], [scene.ego.y], [scene.ego.yaw], [0.0])"
+    step = f"return Decision(Command(0.1, 0.0), {plan})"
+    name = own(POLICY + f"\nclass Plan(Careful):\n    def step(self, scene):\n        {step}\n")
+    policy, moment = make_policy(f"{name}:Plan"), plain_moment()
+    policy.reset(moment.route)
+    assert type(policy.step(moment.scene).trajectory.interval) is float
 
 
 @pytest.mark.parametrize("pedal", ["array(0.25)", "array([0.25])", "float32(0.25)", "float16([0.25])"])

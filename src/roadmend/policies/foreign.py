@@ -14,6 +14,8 @@ from roadmend.core.plain_moment import PlainMoment
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 
+_PEDALS = ("throttle", "brake")
+
 
 class ForeignPolicy:
     """Passes everything on, and says in one line what went wrong. Called as it was asked for, so it is found again.
@@ -58,18 +60,21 @@ class ForeignPolicy:
     def _with_numbers(self, decision: Decision, time: float) -> Decision:
         """The decision, in plain numbers where it has arrays, lists or other numbers; what they say is the guard's."""
         command, plan = decision.command, decision.trajectory
-        throttle, brake = (self._pedal(name, getattr(command, name), time) for name in ("throttle", "brake"))
+        throttle, brake = (self._number(f"a Command whose {name}", getattr(command, name), time) for name in _PEDALS)
         if not isinstance(command.change_lane, bool | np.bool_):
             raise self._no_decision(time, "a Command whose change_lane is True or False", command.change_lane)
         decision = replace(decision, command=Command(throttle, brake, bool(command.change_lane)))
+        interval = self._number("a Trajectory whose interval", plan.interval, time)
+        if not _is_text(plan.behaviour):
+            raise self._no_decision(time, "a Trajectory whose behaviour is a text", plan.behaviour)
         given = (plan.x, plan.y, plan.yaw, plan.speed)
         rows = [self._row(name, row, time) for name, row in zip(("x", "y", "yaw", "speed"), given, strict=True)]
-        if all(row is before for row, before in zip(rows, given, strict=True)):
+        if interval is plan.interval and all(row is before for row, before in zip(rows, given, strict=True)):
             return decision
         x, y, yaw, speed = rows
-        return replace(decision, trajectory=Trajectory(plan.interval, x, y, yaw, speed, plan.behaviour))
+        return replace(decision, trajectory=Trajectory(interval, x, y, yaw, speed, plan.behaviour))
 
-    def _pedal(self, name: str, given: Any, time: float) -> float:
+    def _number(self, whose: str, given: Any, time: float) -> float:
         if isinstance(given, float):
             return given
         try:
@@ -78,7 +83,7 @@ class ForeignPolicy:
                 return float(number.item())
         except (TypeError, ValueError, OverflowError, RuntimeError):
             pass
-        raise self._no_decision(time, f"a Command whose {name} is a number", given)
+        raise self._no_decision(time, f"{whose} is a number", given)
 
     def _row(self, name: str, given: Any, time: float) -> NDArray[np.float64]:
         try:
@@ -97,3 +102,12 @@ class ForeignPolicy:
         """Answer it, for ``core.foreign.check_answers``."""
         self.reset(moment.route)
         self.step(moment.scene)
+
+
+def _is_text(given: Any) -> bool:
+    """Whether a message can hold it: half of a surrogate pair, as in a file's name that is no text, is none."""
+    try:
+        given.encode()
+    except (AttributeError, UnicodeEncodeError):
+        return False
+    return isinstance(given, str)
