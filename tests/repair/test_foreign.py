@@ -42,6 +42,26 @@ def test_where_it_fails_the_guards_rule_decides_and_says_why(own):
     assert repairer.first_fault in after.reason
 
 
+@pytest.mark.parametrize("action", ["array(-0.5)", "array([-0.5])", "float32(-0.5)"])
+def test_an_answer_of_one_number_is_a_number_however_it_is_written(own, action):
+    given = f"Proposal(numpy.array([2.0]), numpy.float32(1.0), numpy.{action})"
+    step = f"import numpy\n        return {given}"
+    name = own(METHOD + f"\nclass Model(Near):\n    def propose(self, scene, decision):\n        {step}\n")
+    _, (_, repair) = answers(f"{name}:Model", 0.0, 0.05)
+    assert (repair.status, repair.command.brake) == (RepairStatus.REPAIRED, 0.5)
+    assert [type(value) for value in (repair.score, repair.threshold, repair.repair_action)] == [float] * 3
+
+
+@pytest.mark.parametrize("given", ["[0.0, 0.0], 1.0, -0.8", "0.0, None, -0.8", "0.0, 1.0, 'full'"])
+def test_an_answer_that_is_no_number_is_the_methods_fault(own, given):
+    step = f"return Proposal({given}) if scene.time > 1.0 else super().propose(scene, decision)"
+    name = own(METHOD + f"\nclass Wrong(Near):\n    def propose(self, scene, decision):\n        {step}\n")
+    _, (_, repair) = answers(f"{name}:Wrong", 0.95, 1.05)
+    assert repair.status is RepairStatus.MODEL_FAULT
+    assert f"{name}:Wrong failed: " in repair.reason
+    assert "answered with a Proposal whose " in repair.reason
+
+
 def test_one_that_never_answers_is_refused(own):
     with pytest.raises(InputError, match=r"cannot answer a plain scene: answered with float; answer with a roadmend"):
         make_repairer(f"{own(METHOD)}:Never")

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self, get_args, get_type_hints
 
+import numpy as np
+
 from roadmend.core.errors import ForeignError, InputError, RoadmendError
 from roadmend.core.parameters import NoParameters, Parameters
 from roadmend.core.plain_moment import PlainMoment, plain_moment
@@ -124,6 +126,23 @@ def check_answers(where: str, ask: Callable[[PlainMoment], object]) -> None:
         ask(plain_moment())
     except ForeignError as error:
         raise InputError(where, f"cannot answer a plain scene: {error.what}", error.mend) from None
+
+
+def number_of(given: Any) -> float:
+    """A number that code from outside has given, as a plain one: an array of one, as a model gives it, will do.
+
+    Raises:
+        TypeError: it is no number.
+    """
+    if isinstance(given, float):
+        return given
+    try:
+        number = np.asarray(given)
+        if number.shape in {(), (1,)} and number.dtype.kind in "biufO":  # what a model gives for one scene
+            return float(number.item())
+    except (TypeError, ValueError, OverflowError, RuntimeError):
+        pass
+    raise TypeError(f"{type(given).__name__} is no number")
 
 
 def trouble_of(error: BaseException) -> str:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import ForeignError
-from roadmend.core.foreign import blamed_on
+from roadmend.core.foreign import blamed_on, number_of
 from roadmend.core.interfaces import Policy
 from roadmend.core.plain_moment import PlainMoment
 from roadmend.core.route import Route
@@ -75,15 +75,10 @@ class ForeignPolicy:
         return replace(decision, trajectory=Trajectory(interval, x, y, yaw, speed, plan.behaviour))
 
     def _number(self, whose: str, given: Any, time: float) -> float:
-        if isinstance(given, float):
-            return given
         try:
-            number = np.asarray(given)
-            if number.shape in {(), (1,)} and number.dtype.kind in "biufO":  # what a model gives for one scene
-                return float(number.item())
-        except (TypeError, ValueError, OverflowError, RuntimeError):
-            pass
-        raise self._no_decision(time, f"{whose} is a number", given)
+            return number_of(given)
+        except TypeError:
+            raise self._no_decision(time, f"{whose} is a number", given) from None
 
     def _row(self, name: str, given: Any, time: float) -> NDArray[np.float64]:
         try:

@@ -1,10 +1,11 @@
 """A repair method from outside, as the guard has it."""
 
+from dataclasses import replace
 from typing import Any
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import ForeignError
-from roadmend.core.foreign import blamed_on
+from roadmend.core.foreign import blamed_on, number_of
 from roadmend.core.plain_moment import PlainMoment
 from roadmend.core.repair import Proposal
 from roadmend.core.route import Route
@@ -45,7 +46,17 @@ class ForeignMethod:
         if not isinstance(proposal, Proposal):
             what = f"answered with {type(proposal).__name__}"
             raise ForeignError(where, what, "answer with a roadmend.core.repair.Proposal")
-        return proposal
+        names = ("score", "threshold", "action")
+        score, threshold, action = (self._number(name, getattr(proposal, name), where) for name in names)
+        return replace(proposal, score=score, threshold=threshold, action=action)
+
+    def _number(self, name: str, given: Any, where: str) -> float:
+        """Of an array the guard would find only that no message holds it, and not whose it was."""
+        try:
+            return number_of(given)
+        except TypeError:
+            what = f"answered with a Proposal whose {name} is of type {type(given).__name__}"
+            raise ForeignError(where, what, "answer with a number") from None
 
     def answer(self, moment: PlainMoment) -> None:
         """Answer it, for ``core.foreign.check_answers``."""
