@@ -160,6 +160,12 @@ def test_what_is_of_a_sumo_configuration_is_refused_for_a_scenario(scenario, com
     assert f"{option}: is of a SUMO configuration" in complaint("run", "--scenario", scenario, option, "3")
 
 
+@pytest.mark.parametrize("route", ["", "  "])
+def test_a_route_without_an_edge_is_none_that_may_be_drawn(tmp_path, town, complaint, route):
+    line = complaint("run", "--sumocfg", town(tmp_path / "town"), "--ego-route", route)
+    assert line.startswith("roadmend: --ego-route: names no edge; ")
+
+
 def test_the_name_of_a_folder_in_any_script_makes_a_scenario_name(tmp_path, town, complaint):
     path = town(tmp_path / "Zürich Süd")
     (tmp_path / "bags" / "mine").mkdir(parents=True)

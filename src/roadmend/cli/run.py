@@ -223,9 +223,11 @@ def _scenarios(given: RunOptions) -> list[Scenario]:
         return [load_scenario(given.scenario)]
     path, warm_up = Path(str(given.sumocfg)), WARM_UP if given.warm_up is None else given.warm_up
     seeds = range(given.seed, given.seed + (given.egos or 1))
-    if not given.ego_route:
+    if given.ego_route is None:
         return drawn_scenarios([path], seeds, warm_up, TIME_LIMIT if given.time_limit is None else given.time_limit)
     route = given.ego_route.split()
+    if not route:  # as of a variable of the shell that is not set: no route is not one that may be drawn
+        raise InputError("--ego-route", "names no edge", "name some, separated by spaces, or leave the option out")
     found = [scenario_of_configuration(path, route, warm_up, given.time_limit, seed) for seed in seeds]
     return (
         found if len(found) == 1 else [each.model_copy(update={"name": f"{each.name}-{each.seed}"}) for each in found]
