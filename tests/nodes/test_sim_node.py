@@ -22,6 +22,7 @@ from roadmend.nodes.diagnostics import Level
 from roadmend.nodes.recorder_progress import LEAD_TICKS
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
+from roadmend.world.obstacle import Obstacle
 
 GO = Command(0.3, 0.0)
 
@@ -74,8 +75,8 @@ def bench(domain, tmp_path, monkeypatch, scenario_file):
     clock = SimpleNamespace(now=1000.0)
     made = []
 
-    def make(*, time_limit=30.0, waits=False, **parameters):
-        path = scenario_file("S3", 0, actors=[], time_limit=time_limit)
+    def make(*, time_limit=30.0, waits=False, obstacles=(), **parameters):
+        path = scenario_file("S3", 0, actors=[], time_limit=time_limit, obstacles=[*obstacles])
         parameters = {"scenario": str(path)} | parameters
         words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
         rclpy.init(args=["test", "--ros-args", *words], domain_id=domain)
@@ -149,6 +150,21 @@ def test_it_waits_until_the_nodes_have_joined_and_says_for_whom(bench):
     finally:
         for node in (policy, repair):
             node.destroy_node()
+
+
+def test_an_ego_that_stands_in_something_from_the_first_collides_and_is_asked_for_one_command(bench):
+    there = bench()
+    ego = there.node._tick.scene.ego
+    there.node.close()
+    rclpy.try_shutdown()
+
+    there = bench(obstacles=[Obstacle(id="wall", x=ego.x, y=ego.y, length=2.0, width=2.0)])
+    assert there.tick == 0
+    assert not there.node._ended_at
+    there.command(0)
+    assert there.tick == 0
+    assert there.node._ended_at
+    assert there.node._builder.result().outcome is EventKind.COLLISION
 
 
 def test_the_first_tick_is_repeated_until_it_is_answered(bench):

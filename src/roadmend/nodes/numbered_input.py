@@ -1,12 +1,14 @@
 """A subscription that tells the number of each message among those of its writer, under every executor.
 
 In this build of rclpy the events executor, which the graph needs for its speed, fails over a callback that asks for the
-message's account. A waitable takes the message by itself.
+message's account. A waitable takes the message by itself. What a waitable raises ends the process with a segmentation
+fault there; what a timer raises comes out of the executor, as of any other callback.
 """
 
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.waitable import NumberOfEntities, Waitable
 
@@ -25,7 +27,7 @@ class NumberedInput(Waitable):
 
     def __init__(self, node: Node, wanted: Input, kind: type, take: Callable[[bytes, int], None]) -> None:
         super().__init__(node.default_callback_group)
-        self._take, self._is_due, self._index = take, False, 0
+        self._node, self._take, self._is_due, self._index = node, take, False, 0
         self._subscription = node.create_subscription(kind, wanted.topic, lambda _: None, wanted.request, raw=True)
         # No executor shall take its messages but through this.
         node._subscriptions.remove(self._subscription)  # noqa: SLF001 - rclpy has no other way
@@ -51,8 +53,19 @@ class NumberedInput(Waitable):
 
     async def execute(self, taken_data: Any) -> None:
         """For the executor."""
-        if taken_data is not None:
+        if taken_data is None:
+            return
+        try:
             self._take(taken_data[0], taken_data[1]["publication_sequence_number"] or 0)
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is raised again
+            self._raise_later(error)
+
+    def _raise_later(self, error: Exception) -> None:
+        def fail() -> None:
+            raise error
+
+        # Of a steady clock: the node's own may stand still.
+        self._node.create_timer(0.0, fail, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def get_num_entities(self) -> NumberOfEntities:
         """For the executor."""

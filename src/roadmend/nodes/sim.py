@@ -279,12 +279,14 @@ class SimNode(Node):
         if not self._begun_at:
             self._begun_at = time.monotonic()
             self._leave(DRIVING_SUFFIX)
-        self._tick = self._simulation.step(command)
-        self._publish(self._tick)
-        # Book-keeping comes after the messages have left: the others work meanwhile.
-        self._builder.command(tick, command)
-        if self._tick.final is not None:
-            self._builder.command(self._tick, Command(0.0, 0.0))
+        now = tick
+        if tick.final is None:  # else the ego stood in something from the first, and no command moves it
+            now = self._tick = self._simulation.step(command)
+            self._publish(now)
+            # Book-keeping comes after the messages have left: the others work meanwhile.
+            self._builder.command(tick, command)
+        if now.final is not None:
+            self._builder.command(now, Command(0.0, 0.0))
             self._end()
 
     # -- output -------------------------------------------------------------------------------------------------------
