@@ -33,12 +33,13 @@ def _add_vehicle(
 ) -> None:
     for step, name in enumerate(vehicle.route):
         check_edge(network, name, f"{where}.route[{step}]")
+    ignoring = ignores_others(vehicle, scenario.seed)
+    attributes = vehicle_type(vehicle, scenario.environment, ignoring=ignoring)
     for step, (name, following) in enumerate(zip(vehicle.route, vehicle.route[1:], strict=False)):
-        lanes = range(len(network.edges[name].lanes))
-        if not any(link.to_edge == following for lane in lanes for link in network.connections.get((name, lane), [])):
+        if not _leads(network, name, following, attributes["vClass"]):
             raise InputError(
                 f"{where}.route[{step + 1}]",
-                f"no lane leads from {name!r} to {following!r}",
+                f"no lane leads from {name!r} to {following!r} that is open to a {vehicle.kind}",
                 "choose edges that connect",
             )
     edge = network.edges[vehicle.route[0]]
@@ -51,8 +52,10 @@ def _add_vehicle(
         raise InputError(
             f"{where}.position", f"{vehicle.position:g} m is past the end of {edge.id}", "choose a smaller one"
         )
-    ignoring = ignores_others(vehicle, scenario.seed)
-    attributes = vehicle_type(vehicle, scenario.environment, ignoring=ignoring)
+    if not edge.lanes[lane_number].admits(attributes["vClass"]):  # SUMO would end the drive in its first step
+        raise InputError(
+            f"{where}.lane", f"{vehicle.lane} of {edge.id} is closed to a {vehicle.kind}", "choose another lane or edge"
+        )
     name = type_name(vehicle, ignoring=ignoring)
     if name not in types:
         types.add(name)
@@ -75,6 +78,16 @@ def _add_vehicle(
         },
     )
     ET.SubElement(element, "route", edges=" ".join(vehicle.route))
+
+
+def _leads(network: RoadNetwork, name: str, following: str, vehicle_class: str) -> bool:
+    """Whether vehicles of SUMO's class come from one edge to the other."""
+    begins, ends = network.edges[name].lanes, network.edges[following].lanes
+    return any(
+        link.to_edge == following and lane.admits(vehicle_class) and ends[link.to_lane].admits(vehicle_class)
+        for number, lane in enumerate(begins)
+        for link in network.connections.get((name, number), [])
+    )
 
 
 def _add_pedestrian(root: ET.Element, network: RoadNetwork, person: Pedestrian, where: str) -> None:
