@@ -293,3 +293,17 @@ def test_a_second_publisher_is_named(stack, capfd):
         one.until(is_said, one.ego, one.objects, one.command)
     finally:
         other.destroy_node()
+
+
+@pytest.mark.parametrize("inputs", ["newest", "paired"])
+def test_a_node_that_would_hear_its_own_answers_as_commands_is_refused(domain, tmp_path, monkeypatch, inputs):
+    monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
+    words = ("-p", f"inputs:={inputs}", "-r", "__ns:=/car", "-r", "policy/command:=repair/command")
+    rclpy.init(args=["test", "--ros-args", *words], domain_id=domain)
+    try:
+        with pytest.raises(
+            InputError, match="/car/repair/command: is the topic of the policy's commands and of the rep"
+        ):
+            RepairNode()
+    finally:
+        rclpy.try_shutdown()

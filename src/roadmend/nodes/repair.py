@@ -62,6 +62,7 @@ class RepairNode(SteadyLifecycleNode):
         self._repairer: GuardedRepairer | None = None
         self._made: RepairMethod | None = None  # what the repairer asks
         foreign = self._declare_parameters()
+        self._check_topics()
         self._route: Route | None = None
         self._route_fault = ""
         self._motion = AssumedMotion()
@@ -123,6 +124,17 @@ class RepairNode(SteadyLifecycleNode):
         self._settings = method = MethodSettings(self, settings.method, settings.policy, foreign.full_brake)
         self._configuration = ConfigurationAnnouncer(self, "repair", lambda: method.running(self._made), method.is_told)
         return foreign
+
+    def _check_topics(self) -> None:
+        """Refuse to hear its own answers as the policy's commands, which it would answer again, without an end.
+
+        Raises:
+            InputError: the two have one name, after remapping.
+        """
+        asked, answered = map(self.resolve_topic_name, (topics.POLICY_COMMAND, topics.REPAIR_COMMAND))
+        if asked == answered:
+            what = "is the topic of the policy's commands and of the repaired ones"
+            raise InputError(asked, what, f"remap one of them: -r {topics.REPAIR_COMMAND}:=/YOUR/TOPIC")
 
     def _make_repairer(self, changed: Sequence[Parameter] = ()) -> GuardedRepairer:
         made = make_method(self._method, self._settings.values(changed), self._seed)
