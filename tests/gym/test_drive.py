@@ -12,6 +12,7 @@ from stable_baselines3.common.env_checker import check_env as stable_baselines_c
 import roadmend.gym
 from roadmend import InputError, SimulationError, run, sample_scenario
 from roadmend.gym import DriveEnv, LearnedPolicy, RewardWeights
+from roadmend.world.obstacle import Obstacle
 from roadmend.world.scenario_file import save_scenario
 from tests.gym.push import Push
 
@@ -253,3 +254,18 @@ def test_options_of_a_reset(make, tmp_path):
     assert env.reset(options={"scenario": str(tmp_path / "s.yaml")})[1]["scenario"] == "S3-3"
     with pytest.raises(InputError, match="'scenaro' is unknown"):
         env.reset(options={"scenaro": 3})
+
+
+def test_a_scenario_whose_ego_stands_in_something_is_refused_by_reset_and_gives_sumo_back(make):
+    scenario = sample_scenario("S3", 0).model_copy(update={"actors": []})
+    env = make(scenarios=[scenario])
+    env.reset()
+    ego = env.tick.scene.ego
+    wall = Obstacle(id="wall", x=ego.x, y=ego.y, length=2.0, width=2.0)
+    blocked = scenario.model_copy(update={"obstacles": [wall]})
+    with pytest.raises(InputError, match=r"is over before a step: .* collided"):
+        env.reset(options={"scenario": blocked})
+    with pytest.raises(ResetNeeded):
+        env.step(PUSH)
+    env.reset()
+    env.step(PUSH)

@@ -162,6 +162,10 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         self._observer.reset(self._route)
         self._action = 0.0
         self._tick = tick = simulation.first()
+        if tick.final is not None:  # Gymnasium knows no episode without a step
+            self.close()
+            what = f"is over before a step: {tick.final.text}"
+            raise InputError(f"scenario {scenario.name}", what, "let the ego or what it stands in begin elsewhere")
         self._builder.see(tick)
         return self._observer.see(tick.scene), self._info(tick)
 
