@@ -192,3 +192,5 @@ def test_a_seed_is_a_whole_number_and_numpys_will_do():
     for seed in (-1, 1.5, "x", None, True):
         with pytest.raises(InputError, match=r"^seed: .* is no whole number from 0; give for instance 7$"):
             sample_scenario("S3", seed)
+    with pytest.raises(InputError, match=r"^seed: 2147483648 is beyond the last scenario of a family; stay up to"):
+        sample_scenario("S3", 2**31)

@@ -25,7 +25,7 @@ from roadmend.gym.observation import Observation, observation_space
 from roadmend.gym.observer import DriveObserver, command_of
 from roadmend.gym.registration import ENVIRONMENT
 from roadmend.gym.reward import RewardWeights, reward_terms
-from roadmend.world.families import FAMILIES, family_of, sample_scenario
+from roadmend.world.families import FAMILIES, LAST, family_of, sample_scenario
 from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import Simulation
 
@@ -33,7 +33,6 @@ ScenarioGiven = Scenario | str | PathLike[str]
 _LEARNER = "learner"  # who drives, in results
 _SCENARIO = "scenario"  # the one option of a reset
 _COUNT = 20  # scenarios of each family, where nothing else is said
-_LAST = 2**31 - 1  # number of a scenario, which is SUMO's seed too
 
 
 class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
@@ -90,9 +89,9 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         first = whole_number(f"{ENVIRONMENT}: first", 0 if first is None else first)
         count = whole_number(f"{ENVIRONMENT}: count", _COUNT if count is None else count, 1)
         objects = whole_number(f"{ENVIRONMENT}: objects", objects, 1)
-        if first + count - 1 > _LAST:
+        if first + count - 1 > LAST:
             what = f"{first} and count {count} go beyond the last scenario of a family"
-            raise InputError(f"{ENVIRONMENT}: first", what, f"stay up to number {_LAST}")
+            raise InputError(f"{ENVIRONMENT}: first", what, f"stay up to number {LAST}")
         if not isinstance(lane_change, bool | np.bool_):
             raise InputError(f"{ENVIRONMENT}: lane_change", f"is {lane_change!r}", "give True or False")
         if reward is not None and not isinstance(reward, Mapping):

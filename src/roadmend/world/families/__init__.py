@@ -17,6 +17,8 @@ from roadmend.world.families.intersection import SPACE, build_intersection
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters, Space, sample
 
+LAST = 2**31 - 1  # number of a scenario, which is SUMO's seed too
+
 
 @dataclass(frozen=True)
 class Family:
@@ -95,9 +97,11 @@ def sample_scenario(family: str, seed: int) -> Scenario:
     """Draw a scenario; the same family and seed give the same scenario.
 
     Raises:
-        InputError: there is no such family, or the seed is no whole number from 0.
+        InputError: there is no such family, or the seed is no whole number from 0 to ``LAST``.
     """
     seed = whole_number("seed", seed)
+    if seed > LAST:
+        raise InputError("seed", f"{seed} is beyond the last scenario of a family", f"stay up to number {LAST}")
     found = FAMILY_REGISTRY.find(family)
     parameters = sample(found.entry.space, random.Random(f"roadmend/{family}/{seed}"))
     return found.entry.build(parameters, f"{found.label}-{seed}", seed)
