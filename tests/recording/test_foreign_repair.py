@@ -351,6 +351,33 @@ def test_a_trajectory_in_another_frame_is_not_used_and_named():
     assert "planned trajectory in the frame 'map'" in stack.drive(1.0).repair.reason
 
 
+@pytest.mark.parametrize(
+    ("points", "interval", "status"),
+    [
+        (None, 0.25, RepairStatus.REPAIRED),
+        (0, 0.25, RepairStatus.REPAIRED),
+        (12, 1e-5, RepairStatus.INVALID_COMMAND),
+        (601, 0.25, RepairStatus.INVALID_COMMAND),
+    ],
+)
+def test_a_trajectory_of_no_use_leaves_the_present_turn_assumed_and_who_is_on_it_is_braked_for(
+    points, interval, status
+):
+    stack = Stack()
+    for step in range(20):
+        time = 0.05 * step
+        stack.ego(time, x=0.0, yaw_rate=0.5)  # on a circle of 20 m
+        stack.repair.take_objects(detections(time, detection("7", 13.6, 5.3), frame="odom"), time)
+        if points is not None:
+            plan = Trajectory(interval, *(np.full(points, value) for value in (30.0, 0.0, 0.0, 10.0)))
+            stack.repair.take_trajectory(messages.trajectory_message_of(plan, header(time, "odom")), time)
+        answer = stack.command(time)
+    assert answer.repair.status is status
+    assert answer.repair.command.brake > 0.3
+    assert answer.repair.reason.endswith(NOT_TOLD)
+    assert ("unusable" in answer.repair.reason) == (status is RepairStatus.INVALID_COMMAND)
+
+
 def test_a_trajectory_that_came_before_the_odometry_is_looked_at_all_the_same():
     stack = Stack("predictive", stands_at=30.0)
     stack.repair.take_trajectory(planned(0.0, 6.0, "base_link"), 0.0)

@@ -15,13 +15,15 @@ from roadmend.recording import messages
 from roadmend.recording.foreign_commands import CommandForm
 from roadmend.recording.foreign_objects import EgoOutline, EgoPose, ObjectReader, Signals, ego_pose_of
 from roadmend.repair.assumed_motion import AssumedMotion, open_route
-from roadmend.repair.guard import GuardedRepairer
+from roadmend.repair.guard import GuardedRepairer, gravest
+from roadmend.repair.sanitise import is_usable_plan
 
 EGO, OBJECTS, COMMAND, TRAJECTORY, ROUTE = "ego", "objects", "command", "trajectory", "route"
 NEEDED = (EGO, OBJECTS, COMMAND)  # without these nothing can be repaired
 REPEATED_NS = 100_000_000  # [ns] a stamp less far behind the last one is no jump of the clock, but a repeated stamp
 LATEST = (1 << 31) * messages.NANOSECONDS - 1  # [ns] the last moment that a stamp can say
 STEP_NS = 1_000  # [ns] between the ticks of commands with the same stamp
+_UNUSABLE = "the planned trajectory is unusable: not used"
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +142,8 @@ class ForeignRepair:
             self._assumption = str(self._motion.assumption)
         scene = Scene(1e-9 * self._stamp, ego, self._seen.objects, self._seen.signals)
         repair = self._repairer.step(scene, decision)
+        if note == _UNUSABLE:  # which the guard, that is not given it, cannot declare
+            repair = replace(repair, status=gravest(repair.status, RepairStatus.INVALID_COMMAND))
         self._started = True
         reason = "; ".join(filter(None, (repair.reason, note, self._assumption)))
         return self._answer(replace(repair, reason=reason), self._stamp, message)
@@ -192,13 +196,21 @@ class ForeignRepair:
         return now - self._arrivals.get(part, -math.inf) <= self._patience
 
     def _planned(self, frame: str, now: float) -> Trajectory | None:
-        """The planned trajectory where it is fresh and in the odometry's frame, which nobody knew if it came first."""
+        """The planned trajectory where it is fresh, usable, and in the odometry's frame, which nobody knew if it came first.
+
+        Without a route the guard has nothing to put in the place of one that is unusable or has no points: the present
+        motion is assumed, as without any.
+        """
         if self._trajectory is None or not self._is_fresh(TRAJECTORY, now):
             return None
         if self._planned_in != frame:
             self._faults[TRAJECTORY] = _other_frame(self._planned_in, frame)
             return None
-        return self._trajectory
+        plan = self._trajectory
+        if not is_usable_plan(plan.interval, plan.x, plan.y, plan.yaw, plan.speed):
+            self._faults[TRAJECTORY] = _UNUSABLE
+            return None
+        return plan if len(plan) else None
 
     def _late_inputs(self, now: float) -> str:
         """What of the scene is late, with numbers; empty if nothing is."""
