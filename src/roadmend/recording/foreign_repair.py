@@ -23,7 +23,6 @@ NEEDED = (EGO, OBJECTS, COMMAND)  # without these nothing can be repaired
 REPEATED_NS = 100_000_000  # [ns] a stamp less far behind the last one is no jump of the clock, but a repeated stamp
 LATEST = (1 << 31) * messages.NANOSECONDS - 1  # [ns] the last moment that a stamp can say
 STEP_NS = 1_000  # [ns] between the ticks of commands with the same stamp
-_UNUSABLE = "the planned trajectory is unusable: not used"
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +133,13 @@ class ForeignRepair:
             return self._answer(self._repairer.controlled_stop(status, missing, None, decision), self._stamp, message)
         ego, planned = self._pose.ego, self._planned(self._pose.frame, now)
         note = self._faults.get(TRAJECTORY, "")
-        if planned is not None:
+        # Without a route the guard has nothing to put in the place of a plan that is unusable or has no points.
+        is_usable = planned is None or is_usable_plan(
+            planned.interval, planned.x, planned.y, planned.yaw, planned.speed
+        )
+        if not is_usable:
+            planned, note = None, "the planned trajectory is unusable: not used"
+        if planned is not None and len(planned):
             decision = Decision(command, planned)
             self._assumption = ""
         else:
@@ -142,7 +147,7 @@ class ForeignRepair:
             self._assumption = str(self._motion.assumption)
         scene = Scene(1e-9 * self._stamp, ego, self._seen.objects, self._seen.signals)
         repair = self._repairer.step(scene, decision)
-        if note == _UNUSABLE:  # which the guard, that is not given it, cannot declare
+        if not is_usable:  # which the guard, that is not given it, cannot declare
             repair = replace(repair, status=gravest(repair.status, RepairStatus.INVALID_COMMAND))
         self._started = True
         reason = "; ".join(filter(None, (repair.reason, note, self._assumption)))
@@ -196,21 +201,13 @@ class ForeignRepair:
         return now - self._arrivals.get(part, -math.inf) <= self._patience
 
     def _planned(self, frame: str, now: float) -> Trajectory | None:
-        """The planned trajectory where it is fresh, usable, and in the odometry's frame, which nobody knew if it came first.
-
-        Without a route the guard has nothing to put in the place of one that is unusable or has no points: the present
-        motion is assumed, as without any.
-        """
+        """The planned trajectory where it is fresh and in the odometry's frame, which nobody knew if it came first."""
         if self._trajectory is None or not self._is_fresh(TRAJECTORY, now):
             return None
         if self._planned_in != frame:
             self._faults[TRAJECTORY] = _other_frame(self._planned_in, frame)
             return None
-        plan = self._trajectory
-        if not is_usable_plan(plan.interval, plan.x, plan.y, plan.yaw, plan.speed):
-            self._faults[TRAJECTORY] = _UNUSABLE
-            return None
-        return plan if len(plan) else None
+        return self._trajectory
 
     def _late_inputs(self, now: float) -> str:
         """What of the scene is late, with numbers; empty if nothing is."""
