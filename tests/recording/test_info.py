@@ -15,6 +15,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.recording.definitions import find
 from roadmend.recording.foreign_shadow import state_topics
 from roadmend.recording.info import bag_info
+from roadmend.recording.layout import read_metadata, write_metadata
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
 from roadmend.recording.rhythm import Rhythm
@@ -108,6 +109,20 @@ def test_a_whole_bag(episode):
     assert (clock.longest_gap, clock.longest_gap_at) == (pytest.approx(0.55), pytest.approx(39 * 0.05))
     assert (state.rate, state.gaps) == (pytest.approx(20.0), 0)
     assert (events.count, events.gaps, events.latched) == (2, None, True)
+
+
+def test_a_bag_that_holds_less_than_its_metadata_promise_is_not_complete(episode):
+    metadata = read_metadata(episode)
+    clock = next(t for t in metadata["topics_with_message_count"] if t["topic_metadata"]["name"] == "/clock")
+    clock["message_count"] = 946
+    write_metadata(episode, metadata)
+    info = bag_info(episode)
+    assert not info.complete
+    assert info.missing == ["/clock: 90 of the 946 messages that metadata.yaml promises"]
+    assert bag_info(episode / "episode_0.mcap").complete
+    metadata["topics_with_message_count"] = [7]
+    write_metadata(episode, metadata)
+    assert bag_info(episode).complete
 
 
 def test_a_shadow_in_a_bag_is_not_counted(tmp_path):

@@ -70,6 +70,17 @@ def test_summaries_that_are_none(tmp_path, content, complaint):
         load_report(tmp_path / "case.txt")
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
+def test_a_text_as_windows_saves_unicode(tmp_path, encoding):
+    file = tmp_path / "a.txt"
+    mark = "" if encoding == "utf-16" else "\ufeff"
+    file.write_bytes((mark + "V1 went north at 25 mph, V1\u2019s limit, and hit V2.").encode(encoding))
+    assert load_report(file).summary == "V1 went north at 25 mph, V1\u2019s limit, and hit V2."
+    file.write_bytes(b"\xff\xfe\x00\x00\x01\x00" * 20)
+    with pytest.raises(InputError, match="is no text"):
+        load_report(file)
+
+
 def test_old_encodings_and_marks(tmp_path):
     (tmp_path / "old.txt").write_bytes("V1\x92s front".encode("latin-1"))
     (tmp_path / "mark.txt").write_bytes(b"\xef\xbb\xbfV1")

@@ -1,6 +1,7 @@
 """What a bag holds, at a glance: topics, rates, gaps, outcome, interventions, and whether it is complete."""
 
 import contextlib
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.spell_account import SpellAccount
 from roadmend.recording.codec import Codec
 from roadmend.recording.enclosure import Attachment
-from roadmend.recording.layout import FILE_RECORD, RECORD, REPEATED
+from roadmend.recording.layout import FILE_RECORD, METADATA_FILE, RECORD, REPEATED, promised_counts
 from roadmend.recording.recovery import files_left
 from roadmend.recording.repeat_watch import RepeatWatch
 from roadmend.recording.rhythm import Rhythm
@@ -90,6 +91,10 @@ def bag_info(path: Path, advance: Callable[[int], None] = lambda _count: None) -
             missing.append(f"{file.name}: {error.what}")
             continue
         missing += [line if len(files) == 1 else f"{file.name}: {line}" for line in scan.report.missing]
+    if not missing:  # else more would be told of the same loss
+        for name, count in promised_counts(path).items():
+            if (found := reading.found[name]) < count:
+                missing.append(f"{name}: {found:,} of the {count:,} messages that {METADATA_FILE} promises")
     return reading.info(path, files, missing)
 
 
@@ -97,6 +102,7 @@ class _Reading:
     """What has been seen of a bag so far."""
 
     def __init__(self) -> None:
+        self.found = Counter[str]()  # messages of each topic, with those that files repeat
         self._rhythms: dict[str, Rhythm] = {}
         self._topics: dict[str, ScannedTopic] = {}
         self._metadata: dict[str, dict[str, str]] = {}
@@ -114,9 +120,12 @@ class _Reading:
         if isinstance(item, NamedTexts):
             self._metadata.setdefault(item.name, {}).update(item.values)
             self._repeats.hear(item)
-        elif isinstance(item, Attachment):
+            return
+        if isinstance(item, Attachment):
             self._attachments[item.name] = len(item.data)
-        elif not self._repeats.is_repeat(item):
+            return
+        self.found[item.topic.name] += 1
+        if not self._repeats.is_repeat(item):
             self._rhythms.setdefault(item.topic.name, Rhythm()).add(item.time_ns)
             self._topics[item.topic.name] = item.topic
             with contextlib.suppress(ValueError, AttributeError):  # it, or its definition, was altered on the disk

@@ -148,6 +148,21 @@ def is_compressed(path: Path) -> bool:
         return False
 
 
+def promised_counts(path: Path) -> dict[str, int]:
+    """How many messages each topic of a bag has by its metadata.
+
+    Args:
+        path: a bag's folder, or its metadata.yaml; nothing is promised where that cannot be read, and of a file by itself.
+    """
+    if not path.is_dir() and path.name != METADATA_FILE:
+        return {}
+    try:
+        topics = read_metadata(path)["topics_with_message_count"]
+        return {str(topic["topic_metadata"]["name"]): int(topic["message_count"]) for topic in topics}
+    except (InputError, KeyError, TypeError, ValueError):
+        return {}
+
+
 def folder_of(path: Path) -> Path:
     """The folder of a bag that is named by its folder, its metadata.yaml or a file of its own."""
     return path if path.is_dir() else path.parent

@@ -1,5 +1,6 @@
 """Crash reports on disk: a folder with a summary and perhaps a sketch, or a text file alone."""
 
+import codecs
 import hashlib
 import os
 import re
@@ -156,6 +157,8 @@ def report_of_text(case: str, summary: str) -> CrashReport:
 def _read_text(path: Path) -> str:
     with opened(path, "give a readable text file") as file:
         data = file.read(4 * MAX_SUMMARY + 4)
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):  # as Windows' editor saves "Unicode"
+        return _checked(data.decode("utf-16", errors="replace"), str(path))
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
