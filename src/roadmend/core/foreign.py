@@ -145,6 +145,15 @@ def number_of(given: Any) -> float:
     raise TypeError(f"{type(given).__name__} is no number")
 
 
+def is_text(given: Any) -> bool:
+    """Whether a message can hold it: half of a surrogate pair, as in the name of a file that is no text, is none."""
+    try:
+        given.encode()
+    except (AttributeError, UnicodeEncodeError):
+        return False
+    return isinstance(given, str)
+
+
 def trouble_of(error: BaseException) -> str:
     """An error in one line, with the last place in the user's own code that it came through, if it did."""
     text = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import ForeignError
-from roadmend.core.foreign import blamed_on, number_of
+from roadmend.core.foreign import blamed_on, is_text, number_of
 from roadmend.core.interfaces import Policy
 from roadmend.core.plain_moment import PlainMoment
 from roadmend.core.route import Route
@@ -65,7 +65,7 @@ class ForeignPolicy:
             raise self._no_decision(time, "a Command whose change_lane is True or False", command.change_lane)
         decision = replace(decision, command=Command(throttle, brake, bool(command.change_lane)))
         interval = self._number("a Trajectory whose interval", plan.interval, time)
-        if not _is_text(plan.behaviour):
+        if not is_text(plan.behaviour):
             raise self._no_decision(time, "a Trajectory whose behaviour is a text", plan.behaviour)
         given = (plan.x, plan.y, plan.yaw, plan.speed)
         rows = [self._row(name, row, time) for name, row in zip(("x", "y", "yaw", "speed"), given, strict=True)]
@@ -97,12 +97,3 @@ class ForeignPolicy:
         """Answer it, for ``core.foreign.check_answers``."""
         self.reset(moment.route)
         self.step(moment.scene)
-
-
-def _is_text(given: Any) -> bool:
-    """Whether a message can hold it: half of a surrogate pair, as in a file's name that is no text, is none."""
-    try:
-        given.encode()
-    except (AttributeError, UnicodeEncodeError):
-        return False
-    return isinstance(given, str)

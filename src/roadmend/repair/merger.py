@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from roadmend.core.command import Command
+from roadmend.core.foreign import is_text
 from roadmend.core.repair import Proposal
 
 LAST_ID = 2**32 - 1  # the greatest number of an object that a message holds
@@ -42,7 +43,7 @@ def _account_fault(proposal: Any) -> str:
         return "worth is neither None nor a finite number"
     if not isinstance(proposal.hold_back, bool | np.bool_):
         return "hold_back is neither True nor False"
-    return "" if _is_text(proposal.reason) else "reason is no text that UTF-8 can hold"
+    return "" if is_text(proposal.reason) else "reason is no text that UTF-8 can hold"
 
 
 def _is_trigger(value: Any) -> bool:
@@ -57,14 +58,6 @@ def _is_finite(value: Any) -> bool:
         return math.isfinite(value)
     except (TypeError, ValueError, OverflowError):
         return False
-
-
-def _is_text(value: Any) -> bool:
-    try:
-        value.encode()
-    except (AttributeError, UnicodeEncodeError):  # half of a surrogate pair, as in the name of a file that is no text
-        return False
-    return isinstance(value, str)
 
 
 def merge(command: Command, proposal: Proposal) -> Command:
