@@ -94,6 +94,12 @@ def test_a_nested_field_is_named_with_its_place(tmp_path, content):
     assert "actors[1].vehicle.depart" in fault_of(tmp_path / "s.yaml", content)
 
 
+def test_a_truth_value_is_no_number(tmp_path, content):
+    content["ego"]["speed"] = yaml.safe_load("yes")
+    text = fault_of(tmp_path / "s.yaml", content)
+    assert "field ego: speed: true is no number" in text
+
+
 def test_not_a_number_is_no_number(tmp_path, content):
     content["time_limit"] = float("nan")
     assert "time_limit" in fault_of(tmp_path / "s.yaml", content)
