@@ -103,7 +103,7 @@ def test_runs_at_once_are_told_in_the_order_of_their_rows(tmp_path, capsys, monk
     assert max(most) == 2
     assert "7" not in domains
     assert len(domains) > 1
-    names = [run["fault"] and run["fault"]["name"] for run in told["runs"]]
+    names = [run["fault"] for run in told["runs"]]
     assert names == [None, "policy killed", "no number"] * 4
     assert [run["seed"] for run in told["runs"]] == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]
     assert [(row["fault"], row["runs"]) for row in told["rows"]] == [(name or "no fault", 4) for name in names[:3]]

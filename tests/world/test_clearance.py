@@ -12,7 +12,7 @@ from roadmend.world.scenario import Ego, NetworkFile, Scenario
 
 
 def edge(name, begin, end, junctions, function="normal"):
-    lane = Lane(f"{name}_0", np.array([begin, end]), 100.0, 13.9, 3.2, for_cars=True, for_pedestrians_only=False)
+    lane = Lane(f"{name}_0", np.array([begin, end]), 100.0, 13.9, 3.2)
     return Edge(name, function, (lane,), junctions)
 
 

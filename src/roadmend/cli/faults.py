@@ -112,8 +112,7 @@ def faults(
         "campaign": campaign.model_dump(mode="json"),
         "rows": [*rows, *file_rows],
         "too_late": sum(not disturbed.injected for _, disturbed in runs),
-        # What was said names temporary folders; it stays in runs.jsonl.
-        "runs": [trial.as_dict() | disturbed.as_dict() | {"stderr": None} for trial, disturbed in runs],
+        "runs": [_told(trial, disturbed) for trial, disturbed in runs],
         "files": [one.as_dict() | each.as_dict() | {"stderr": None} for one, each in refused],
     }
     tables = table(rows), file_table(file_rows) if file_rows else []
@@ -126,6 +125,14 @@ def faults(
         for each_table in filter(None, tables):
             show_rows(each_table)
     return 1 if _complain(judged, file_rows) else 0
+
+
+def _told(trial: FaultTrial, disturbed: Disturbed) -> dict[str, Any]:
+    """A run with its fault by name, which the campaign describes; what was said names temporary folders, and stays out."""
+    name = {"fault": trial.fault.name if trial.fault else None}
+    entry: dict[str, Any] = trial.as_dict() | disturbed.as_dict() | name
+    del entry["stderr"]
+    return entry
 
 
 _SETTINGS = ("policy", "repair", "families", "first_scenario", "time_limit", "earliest", "latest", "patience")

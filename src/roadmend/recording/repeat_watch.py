@@ -13,9 +13,8 @@ from roadmend.recording.reader import CORRUPT
 from roadmend.recording.repeats import Repeats
 from roadmend.recording.scan import NamedTexts, ScannedMessage
 
-_Claims = dict[
-    str, Callable[[int, int], bool]
-]  # by topic, what tells the messages of which a file says that they repeat
+# By topic, what tells the messages of which a file says that they repeat.
+_Claims = dict[str, Callable[[int, int], bool]]
 
 
 class RepeatWatch:

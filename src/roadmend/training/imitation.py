@@ -17,6 +17,7 @@ from roadmend.policies.neural_kinds import KINDS, AnyShape, shapes_of
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.imitation_configuration import ImitationConfiguration, Round
 from roadmend.training.samples import UNASKED, Samples
+from roadmend.training.torch_state import load_tensors
 
 _REGRESSION_BETA = 0.1  # of the action: up to this error the regression's loss is a square, from there a line
 _SORTED_TOGETHER = 16  # batches whose scenes are sorted by their number of tokens, so that little is padding
@@ -51,7 +52,7 @@ def load_network(checkpoint: Checkpoint, path: Path) -> NeuralNetwork:
         InputError: it was trained on other tokens.
     """
     network = NeuralNetwork(str(checkpoint.header["kind"]), *shapes_of(checkpoint, path))
-    network.load_state_dict({name: torch.from_numpy(array.copy()) for name, array in checkpoint.tensors.items()})
+    load_tensors(network, checkpoint.tensors)
     return network
 
 

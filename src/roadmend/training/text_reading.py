@@ -19,7 +19,7 @@ from roadmend.core.whole_file import written_beside
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.networks.encoder import Head, TextEncoder
 from roadmend.networks.shape import HeadShape, TextShape
-from roadmend.training.torch_state import load_optimizer, optimizer_tensors, tensors_of
+from roadmend.training.torch_state import load_optimizer, load_tensors, optimizer_tensors, tensors_of
 
 UNASKED = -1  # an answer that is not known
 _SORTED_TOGETHER = 8  # batches whose texts are sorted by their length, so that little is padding
@@ -256,7 +256,7 @@ def load_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optim
         raise InputError(str(folder), what, "give another folder, or remove this one")
     found = {part: file.tensors for part, file in files.items()}
     try:
-        network.load_state_dict({name: torch.from_numpy(value.copy()) for name, value in found["weights"].items()})
+        load_tensors(network, found["weights"])
     except RuntimeError:
         raise InputError(str(folder), "holds no whole training", "remove it, and begin anew") from None
     load_optimizer(optimizer, {name: value for part in _MEMORIES for name, value in found[part].items()}, "")

@@ -2,7 +2,6 @@
 
 import functools
 import itertools
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -29,14 +28,23 @@ class Lane:
     length: float  # [m]
     speed_limit: float  # [m/s]
     width: float  # [m]
-    for_cars: bool
-    for_pedestrians_only: bool
     allow: tuple[str, ...] = ()  # SUMO's classes of vehicles; where there are none, all but those of ``disallow``
     disallow: tuple[str, ...] = ()
 
     def admits(self, vehicle_class: str) -> bool:
         """Whether vehicles of SUMO's class may use it."""
-        return _admits(vehicle_class, self.allow, self.disallow)
+        names = {vehicle_class, "all"}
+        return not names.isdisjoint(self.allow) if self.allow else names.isdisjoint(self.disallow)
+
+    @property
+    def for_cars(self) -> bool:
+        """Whether cars may use it."""
+        return self.admits("passenger")
+
+    @property
+    def for_pedestrians_only(self) -> bool:
+        """Whether it is a sidewalk or a path."""
+        return self.allow == ("pedestrian",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,23 +167,15 @@ def _lane(element: ET.Element) -> Lane:
     shape = np.array([[float(point[0]), float(point[1])] for point in points])
     if len(shape) < 2 or not np.isfinite(shape).all():
         raise ValueError(f"lane {element.attrib['id']!r} has no shape of two points or more")  # nor does SUMO take it
-    allow, disallow = (tuple(element.get(name, "").split()) for name in ("allow", "disallow"))
     return Lane(
         id=element.attrib["id"],
         shape=shape,
         length=float(element.attrib["length"]),
         speed_limit=float(element.attrib["speed"]),
         width=float(element.get("width", _DEFAULT_LANE_WIDTH)),
-        for_cars=_admits("passenger", allow, disallow),
-        for_pedestrians_only=allow == ("pedestrian",),
-        allow=allow,
-        disallow=disallow,
+        allow=tuple(element.get("allow", "").split()),
+        disallow=tuple(element.get("disallow", "").split()),
     )
-
-
-def _admits(vehicle_class: str, allow: Sequence[str], disallow: Sequence[str]) -> bool:
-    names = {vehicle_class, "all"}
-    return not names.isdisjoint(allow) if allow else names.isdisjoint(disallow)
 
 
 def _connection(element: ET.Element) -> Connection:
