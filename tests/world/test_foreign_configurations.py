@@ -15,7 +15,7 @@ from roadmend.repair.registry import make_repairer
 from roadmend.world.network import find_binary
 from roadmend.world.procedural_networks import NetworkRequest, generate_configuration
 from roadmend.world.runner import run_episode
-from roadmend.world.scenario import Ego, Environment, Scenario, SumoConfiguration
+from roadmend.world.scenario import Ego, Environment, NetworkFile, Scenario, SumoConfiguration
 from roadmend.world.scenario_file import drawn_scenarios
 from roadmend.world.simulation import Simulation
 
@@ -211,6 +211,24 @@ def test_trams_and_their_tracks_are_no_trouble(tmp_path):
     path.write_text('<configuration><net-file value="t.net.xml"/><route-files value="t.rou.xml"/></configuration>')
     result = drive(draw(path))
     assert result.outcome in {EventKind.GOAL, EventKind.TIMEOUT}
+
+
+def test_an_ego_as_long_as_a_lorry_comes_round_a_roundabout(tmp_path):
+    (tmp_path / "r.nod.xml").write_text(
+        '<nodes><node id="w" x="-20" y="0"/><node id="n" x="0" y="20"/><node id="e" x="20" y="0"/>'
+        '<node id="s" x="0" y="-20"/><node id="west" x="-200" y="0"/><node id="east" x="200" y="0"/>'
+        '<node id="south" x="0" y="-200"/></nodes>'
+    )
+    edges = ("ws w s", "se s e", "en e n", "nw n w", "in west w", "out e east", "down s south")
+    words = (edge.split() for edge in edges)
+    text = "".join(f'<edge id="{name}" from="{begin}" to="{end}" speed="8"/>' for name, begin, end in words)
+    (tmp_path / "r.edg.xml").write_text(f'<edges>{text}<roundabout nodes="w s e n" edges="ws se en nw"/></edges>')
+    command = [find_binary("netconvert"), "-n", "r.nod.xml", "-e", "r.edg.xml", "-o", "r.net.xml", "--no-warnings"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    ego = Ego(route=("ws", "se", "en", "nw"), position=10.0, speed=8.0, length=9.0, width=2.4)
+    network = NetworkFile(path=str(tmp_path / "r.net.xml"))
+    result = drive(Scenario(name="round", network=network, ego=ego, time_limit=60.0))
+    assert result.outcome is EventKind.GOAL
 
 
 def test_a_folder_stands_for_all_configurations_below(tmp_path, ring):

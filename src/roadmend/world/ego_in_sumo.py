@@ -12,6 +12,9 @@ _TYPE = "roadmend_ego"
 _OFF_BY = 0.25  # [m] beyond which the body is put back into place instead of being steered there
 _FREE_PLACE = 2  # moveToXY: exactly there, on or off the lane
 _ON_ITS_ROUTE = 1  # moveToXY, beside: SUMO shall not take it for somebody who goes elsewhere
+# [m] from which on a body's front may stand off its lane in a tight bend: SUMO would have it go elsewhere from there,
+# and take it away at that road's end.
+_LONG = 8.0
 
 
 class EgoInSumo:
@@ -28,7 +31,7 @@ class EgoInSumo:
         self._placed = False
         network = scenario.network
         is_drawn = isinstance(network, SumoConfiguration) and network.draw
-        self._how = _FREE_PLACE | (_ON_ITS_ROUTE if is_drawn else 0)
+        self._how = _FREE_PLACE | (_ON_ITS_ROUTE if is_drawn or scenario.ego.length > _LONG else 0)
         libsumo.vehicletype.copy("DEFAULT_VEHTYPE", _TYPE)
         libsumo.vehicletype.setVehicleClass(_TYPE, "passenger")
         libsumo.vehicletype.setLength(_TYPE, scenario.ego.length)
