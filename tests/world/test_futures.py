@@ -1,3 +1,4 @@
+import libsumo
 import pytest
 
 from roadmend.core.command import Command, Decision, Trajectory
@@ -7,7 +8,7 @@ from roadmend.world.corpus import corpus_of
 from roadmend.world.families import sample_scenario
 from roadmend.world.futures import Moment, futures, moment_at, share_of_violations
 from roadmend.world.runner import drive
-from roadmend.world.scenario import Ego, OpenRoadNetwork, Scenario
+from roadmend.world.scenario import Ego, OpenRoadNetwork, Scenario, Vehicle
 from roadmend.world.simulation import Simulation
 from roadmend.world.variation import Spread
 
@@ -80,6 +81,22 @@ def test_who_is_still_to_come_departs_at_another_time():
     _, ((will_be, *others),) = driven(scenario, 20, [None, 1, 2, 3], spread=only)
     assert will_be.final is not None
     assert all(other.final is not None for other in others)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("speed", "at_least", "at_most"), [(5.0, 4.0, 6.0), (60.0, 15.0, 24.5)])
+def test_who_is_still_to_come_keeps_the_speed_of_the_scenario(seed, speed, at_least, at_most):
+    road = OpenRoadNetwork(length=600.0)
+    late = Vehicle(id="late", kind="truck", route=("forward",), position=15.0, depart=2.0, speed=speed)
+    ego = Ego(route=("forward",), position=300.0)
+    with Simulation(Scenario(name="late", network=road, ego=ego, actors=(late,), time_limit=60.0)) as simulation:
+        simulation.first()
+        simulation.step(Command(0.0, 1.0))
+        simulation.vary(seed, Spread())
+        while "late" not in libsumo.vehicle.getIDList():
+            simulation.step(Command(0.0, 1.0))
+        entered = libsumo.vehicle.getSpeed("late")
+    assert at_least < entered < at_most
 
 
 def test_with_persons_and_a_repair_method_at_work(violation):

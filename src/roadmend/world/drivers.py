@@ -152,6 +152,18 @@ def vehicle_type(vehicle: Vehicle, environment: Environment, *, ignoring: bool) 
     return {name: value if isinstance(value, str) else f"{value:.4g}" for name, value in attributes.items()}
 
 
+def entry_speed(vehicle: Vehicle, speed_factor: float, limit: float) -> str:
+    """SUMO's departSpeed of a vehicle whose driver goes at ``speed_factor`` of the limit [m/s] of the lane it comes in on.
+
+    The scenario's, as far as the driver wants to go so fast there: SUMO refuses a faster entry.
+    """
+    if vehicle.speed is None:
+        return "max"
+    fastest = BODIES[vehicle.kind].speed_max
+    wanted = min(limit * speed_factor, fastest, fastest * speed_factor)
+    return f"{min(vehicle.speed, wanted - 0.01):.2f}"
+
+
 def pedestrian_type(driver: str, speed: float) -> dict[str, str]:
     """Attributes of the SUMO vType of a person on foot."""
     hurry = {"careful": 0.0, "normal": 0.1, "aggressive": 0.6, "reckless": 1.0}[driver]

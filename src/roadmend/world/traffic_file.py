@@ -3,7 +3,7 @@
 from xml.etree import ElementTree as ET
 
 from roadmend.core.errors import InputError
-from roadmend.world.drivers import ignores_others, pedestrian_type, type_name, vehicle_type
+from roadmend.world.drivers import entry_speed, ignores_others, pedestrian_type, type_name, vehicle_type
 from roadmend.world.road_network import RoadNetwork
 from roadmend.world.route_builder import check_edge
 from roadmend.world.scenario import Pedestrian, Scenario, Vehicle
@@ -60,9 +60,7 @@ def _add_vehicle(
     if name not in types:
         types.add(name)
         ET.SubElement(root, "vType", {"id": name} | attributes)
-    # SUMO refuses an entry that is faster than the driver wants to go there.
-    factor, limit = float(attributes["speedFactor"]), edge.lanes[lane_number].speed_limit
-    wanted = min(limit * factor, float(attributes["maxSpeed"]), float(attributes["desiredMaxSpeed"]) * factor)
+    limit = edge.lanes[lane_number].speed_limit
     element = ET.SubElement(
         root,
         "vehicle",
@@ -72,7 +70,7 @@ def _add_vehicle(
             "depart": f"{vehicle.depart:.2f}",
             "departLane": str(lane_number),
             "departPos": f"{vehicle.position:.2f}",
-            "departSpeed": "max" if vehicle.speed is None else f"{min(vehicle.speed, wanted - 0.01):.2f}",
+            "departSpeed": entry_speed(vehicle, float(attributes["speedFactor"]), limit),
             # Only overlap forbids an entry: the scenario says where everyone is.
             "insertionChecks": "collision",
         },

@@ -1,10 +1,11 @@
 """How the world may differ from here on: what nobody can know of the others, and how exactly a vehicle obeys."""
 
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import libsumo
 
+from roadmend.world.drivers import entry_speed
 from roadmend.world.scenario import Scenario, Vehicle
 from roadmend.world.traffic_file import EGO
 
@@ -44,10 +45,12 @@ def vary_traffic(scenario: Scenario, time: float, numbers: random.Random, spread
         for actor in scenario.actors
         if isinstance(actor, Vehicle) and actor.depart > time and actor.id not in present and _is_loaded(actor.id)
     ]
-    for actor in coming:
-        _postpone(actor, max(time + _NOT_BEFORE, actor.depart + deviation(numbers, spread.departure, spread)))
-    for name in [*present, *(actor.id for actor in coming)]:
-        _vary_driver(name, numbers, spread)
+    departures = [actor.depart + deviation(numbers, spread.departure, spread) for actor in coming]
+    habits = {name: _Habits.drawn(numbers, spread) for name in [*present, *(actor.id for actor in coming)]}
+    for actor, depart in zip(coming, departures, strict=True):
+        _postpone(actor, max(time + _NOT_BEFORE, depart), 1.0 + habits[actor.id].desired_speed)
+    for name, varied in habits.items():
+        _vary_driver(name, varied)
     for name in sorted(libsumo.person.getIDList()):
         factor = libsumo.person.getSpeedFactor(name)
         libsumo.person.setSpeedFactor(name, factor * (1.0 + deviation(numbers, spread.desired_speed, spread)))
@@ -59,33 +62,42 @@ def deviation(numbers: random.Random, size: float, spread: Spread) -> float:
     return size * max(-spread.limit, min(spread.limit, drawn))
 
 
-def _vary_driver(name: str, numbers: random.Random, spread: Spread) -> None:
+@dataclass(frozen=True, slots=True)
+class _Habits:
+    """By how much one driver differs."""
+
+    desired_speed: float
+    imperfection: float
+    headway: float
+    impatience: float
+    assertiveness: float
+
+    @classmethod
+    def drawn(cls, numbers: random.Random, spread: Spread) -> "_Habits":
+        return cls(*(deviation(numbers, getattr(spread, each.name), spread) for each in fields(cls)))
+
+
+def _vary_driver(name: str, varied: _Habits) -> None:
     vehicle = libsumo.vehicle
     factor = vehicle.getSpeedFactor(name)
-    speed, sigma, headway, hurry, will = (
-        deviation(numbers, size, spread)
-        for size in (
-            spread.desired_speed,
-            spread.imperfection,
-            spread.headway,
-            spread.impatience,
-            spread.assertiveness,
-        )
-    )
-    vehicle.setImperfection(name, min(1.0, max(0.0, vehicle.getImperfection(name) + sigma)))
-    vehicle.setTau(name, vehicle.getTau(name) * (1.0 + headway))
-    vehicle.setImpatience(name, min(1.0, max(0.0, vehicle.getImpatience(name) + hurry)))
+    vehicle.setImperfection(name, min(1.0, max(0.0, vehicle.getImperfection(name) + varied.imperfection)))
+    vehicle.setTau(name, vehicle.getTau(name) * (1.0 + varied.headway))
+    vehicle.setImpatience(name, min(1.0, max(0.0, vehicle.getImpatience(name) + varied.impatience)))
     assertive = vehicle.getParameter(name, _ASSERTIVENESS)
     if assertive:
-        vehicle.setParameter(name, _ASSERTIVENESS, f"{float(assertive) * (1.0 + will):.6g}")
-    vehicle.setSpeedFactor(name, factor * (1.0 + speed))  # last: the others put the type's own back
+        vehicle.setParameter(name, _ASSERTIVENESS, f"{float(assertive) * (1.0 + varied.assertiveness):.6g}")
+    vehicle.setSpeedFactor(name, factor * (1.0 + varied.desired_speed))  # last: the others put the type's own back
 
 
-def _postpone(actor: Vehicle, depart: float) -> None:
-    """Let somebody who is still to come do so at another time [s]; waits there for room, unlike at first."""
+def _postpone(actor: Vehicle, depart: float, hurry: float) -> None:
+    """Let somebody who is still to come do so at another time [s]; waits there for room, unlike at first.
+
+    At the scenario's speed, as far as a driver goes so fast who is about to want ``hurry`` times as much.
+    """
     vehicle = libsumo.vehicle
     kind, factor = vehicle.getTypeID(actor.id), vehicle.getSpeedFactor(actor.id)
-    route = f"{actor.id}_at_another_time"
+    route, lane = f"{actor.id}_at_another_time", _lane_number(actor)
+    limit = libsumo.lane.getMaxSpeed(f"{actor.route[0]}_{lane}")
     libsumo.route.add(route, list(actor.route))
     vehicle.remove(actor.id)  # takes its own route with it
     vehicle.add(
@@ -93,9 +105,9 @@ def _postpone(actor: Vehicle, depart: float) -> None:
         route,
         typeID=kind,
         depart=f"{depart:.2f}",
-        departLane=str(_lane_number(actor)),
+        departLane=str(lane),
         departPos=f"{actor.position:.2f}",
-        departSpeed="max",
+        departSpeed=entry_speed(actor, factor * min(1.0, hurry), limit),  # looked at here, and again on entry
     )
     vehicle.setSpeedFactor(actor.id, factor)
 
