@@ -82,3 +82,22 @@ def test_cleared_it_waits_for_nothing(pairing):
     pairing.clear()
     assert pairing.waiting() is None
     assert pairing.add(1, "objects", "b", 0.0) is None
+
+
+def test_what_a_dropped_tick_had_to_do_without_comes_too_late_once(pairing):
+    pairing.add(1, "ego", "a", 0.0)
+    pairing.give_up(1)
+    assert not pairing.comes_too_late(1, "ego")  # it had that: time ran backwards
+    assert not pairing.comes_too_late(0, "objects")
+    assert pairing.comes_too_late(1, "objects")
+    assert not pairing.comes_too_late(1, "objects")
+
+
+def test_after_a_tick_that_was_whole_and_in_another_time_nothing_comes_too_late(pairing):
+    for part in ("ego", "objects", "command"):
+        pairing.add(1, part, "a", 0.0)
+    assert not pairing.comes_too_late(1, "trajectory")
+    pairing.add(2, "ego", "a", 0.0)
+    pairing.give_up(2)
+    pairing.clear()
+    assert not pairing.comes_too_late(2, "objects")

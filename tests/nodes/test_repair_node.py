@@ -723,6 +723,33 @@ def test_in_real_time_a_late_command_is_missed_at_once(bench):
     assert (state.state, state.final_action) == (RepairStatus.STALE_COMMAND, STOP)
 
 
+@pytest.mark.parametrize("part", ["objects", "ego"])
+@pytest.mark.parametrize("lag", [1, 3])
+def test_in_real_time_what_comes_after_its_tick_was_answered_is_no_clock_that_ran_backwards(bench, part, lag):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.start()
+    for number in range(2, 12):
+        there.tick(number, without=(part,))
+        there.wait(0.05)
+        if number - lag >= 2:
+            there.send(number - lag, part)
+    stamps = [messages.stamp_of(state.header) for state in there.states.got]
+    assert stamps == sorted({*stamps})
+    assert RepairStatus.RESET not in [state.state for state in there.states.got[2:]]
+
+
+def test_odometry_at_the_end_of_time_ends_nothing(bench):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.start()
+    data = bytearray(
+        encode(messages.ego_message_of(EgoState.from_yaw(0, 0, 0, 1, 0, 4.7, 1.85), messages.header_of(1.0)))
+    )
+    data[4:12] = b"\xff\xff\xff\x7f\xff\xff\xff\xff"
+    there.node._add("ego", bytes(data))
+    assert all(state.final_action == STOP for state in there.wait(0.5))
+    assert len(there.states.got) > 2
+
+
 def drive(bench, rate, ticks, *, without=(), first=2):
     """Ticks that come at a rate, in wall time; the states said, each with the tick that was the newest at the moment."""
     said, steps = [], 5

@@ -79,6 +79,23 @@ class TestDetections:
         assert objects.id.tolist() == [7]
         assert objects.speed.tolist() == [0.0]
 
+    @pytest.mark.parametrize("outlier", [60.0, 2000.0, 1e6, 1.7976931348623157e308, -1e8])
+    def test_one_place_where_it_cannot_be_spoils_nothing(self, outlier):
+        reader = Detections()
+        for step in range(6):
+            objects, _ = reader.read(detections(0.1 * step, detection("7", 12.0, 0.0)), pose_at(0.1 * step))
+        objects, _ = reader.read(detections(0.6, detection("7", outlier, 0.0)), pose_at(0.6))
+        assert (objects.x[0], objects.speed[0]) == (outlier, 0.0)
+        for step in range(7, 9):
+            objects, _ = reader.read(detections(0.1 * step, detection("7", 12.0, 0.0)), pose_at(0.1 * step))
+            assert (objects.x[0], objects.speed[0]) == (12.0, 0.0)
+
+    def test_numbers_that_are_written_in_two_ways_are_two_objects(self):
+        seen = [detection(name, 10.0 * place, 0.0) for place, name in enumerate(("7", "07", "0", "\u0667", "9" * 5000))]
+        objects = watch(seen, seen)
+        assert len({*objects.id.tolist()}) == 5
+        assert objects.id.tolist()[::2][:2] == [7, 0]
+
     def test_who_was_gone_for_long_is_new(self):
         reader = Detections()
         for time, x, count in ((0.0, 0.0, 0), (0.1, 0.5, 1), (1.2, 40.0, 0), (1.3, 40.0, 1)):

@@ -168,6 +168,15 @@ def test_a_stamp_at_the_end_of_time_ends_nothing():
     assert encode(stack.repair.overdue(9.0).message)
 
 
+@pytest.mark.parametrize("late", [0.1, 9.0])
+def test_nor_does_the_state_that_goes_with_it(late):
+    stack = Stack()
+    last = messages.LATEST * 1e-9
+    stack.drive(1.0)
+    for answer in (stack.command(1.0, stamp=last), stack.command(1.1, stamp=last), stack.repair.overdue(1.5 + late)):
+        assert encode(messages.repair_message_of(answer.repair, "rss", messages.header_at(answer.stamp)))
+
+
 def test_so_is_one_in_place_of_our_own_command():
     stack = Stack(form=PedalForm)
     asked = messages.command_message_of(Command(0.4, 0.0), header(5.0))
@@ -279,6 +288,27 @@ def test_commands_with_a_zero_stamp_or_the_same_one_do_not_clear_the_memory():
         stack.objects(1.0)
         states = [stack.command(1.0 + 0.01 * step, stamp=stamp).repair.status for step in range(5)]
         assert states == [RepairStatus.RESET, *[RepairStatus.PASS] * 4]
+
+
+@pytest.mark.parametrize("is_stamped", [True, False])
+def test_an_intervention_ends_in_a_stack_without_stamps_too(is_stamped):
+    stack = Stack(reader=OwnObjects)
+    braked = []
+    for step in range(200):
+        time, stamp = 0.05 * step, 1.0 + 0.05 * step if is_stamped else 0.0
+        stack.repair.take_ego(odometry(stamp, x=0.0, speed=8.0), time)
+        ahead = 10.0 if 20 <= step < 30 else 1e4
+        objects = ObjectList.of(
+            id=[7], kind=1, x=[ahead], y=0.0, yaw=0.0, speed=0.0, acceleration=0.0, yaw_rate=0.0, length=4.5, width=1.8
+        )
+        told = header(stamp)
+        told.frame_id = "odom"
+        message = messages.object_message_of(objects, np.empty(0, dtype=np.uint8), told)
+        stack.repair.take_objects(message, time)
+        answer = stack.command(time, 0.3, stamp=stamp)
+        braked += [step] if answer.repair.status is RepairStatus.REPAIRED else []
+    assert braked[0] == 20
+    assert len(braked) < 25
 
 
 def test_a_clock_that_is_set_back_clears_it():

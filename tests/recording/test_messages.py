@@ -169,6 +169,41 @@ def test_a_route_with_an_unknown_rule_raises():
         messages.route_of(sent(message))
 
 
+@pytest.mark.parametrize(
+    ("column", "place", "value", "told"),
+    [
+        ("x", 0, math.nan, "a point of stage 0 is not finite"),
+        ("y", 5, math.inf, "a point of stage 1 is not finite"),
+        ("x", 12, 1e200, "a point of stage 2 is not finite"),
+        ("speed_limit", 3, math.nan, "a speed limit of stage 0 is no number from 0 on"),
+        ("speed_limit", 3, -1.0, "a speed limit of stage 0 is no number from 0 on"),
+        ("change_end", 1, math.nan, "a window or a zone is not finite"),
+        ("zone_begin", 2, -math.inf, "a window or a zone is not finite"),
+    ],
+)
+def test_a_route_along_which_nobody_can_measure_raises(column, place, value, told):
+    message = messages.route_message_of(route(), header())
+    getattr(message, column)[place] = value
+    with pytest.raises(ValueError, match=f"^route: {told}$"):
+        messages.route_of(sent(message))
+
+
+@pytest.mark.parametrize("place", [0, 2, 10])
+def test_a_route_with_a_doubled_point_raises(place):
+    message = messages.route_message_of(route(), header())
+    for column in (message.x, message.y):
+        column[place + 1] = column[place]
+    with pytest.raises(ValueError, match=r"two points of stage [02] that follow each other are one"):
+        messages.route_of(sent(message))
+
+
+def test_a_route_without_a_goal_raises():
+    message = messages.route_message_of(route(), header())
+    message.goal = math.nan
+    with pytest.raises(ValueError, match="its goal is no number"):
+        messages.route_of(sent(message))
+
+
 @pytest.mark.parametrize("status", RepairStatus)
 def test_a_repair_arrives_complete(status):
     triggers = (RepairTrigger(7, 0.9), RepairTrigger(4_000_000_000, 0.1))

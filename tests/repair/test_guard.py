@@ -1,15 +1,18 @@
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.repair import Proposal, RepairStatus, RepairTrigger
+from roadmend.core.route import Stage
 from roadmend.repair.guard import GRAVITY, GuardedRepairer, gravest
 from roadmend.repair.none import NoRepair
 from roadmend.repair.parameters import GuardParameters
 from roadmend.repair.predictive import PredictiveRepair
+from roadmend.repair.registry import make_repairer
 from roadmend.repair.rss import RssRepair
 
 from .playground import Box, ego_at, keep_on, scene_of, straight_route
@@ -107,6 +110,26 @@ def test_before_a_route_the_vehicle_is_held():
     repair = step(repairer)
     assert repair.status == RepairStatus.STARTING
     assert repair.final_action == -0.5
+
+
+@pytest.mark.parametrize("x", [[-50.0, -50.0, 100.0], [-50.0, math.nan, 100.0], [-50.0, 0.0, math.inf], [0.0, 0.0]])
+@pytest.mark.parametrize("name", ["none", "rss", "predictive", "rule"])
+def test_on_a_route_along_which_nobody_can_measure_the_vehicle_is_held(name, x):
+    repairer = make_repairer(name)
+    line = Stage(np.array(x), np.zeros(len(x)), np.full(len(x), 10.0))
+    repairer.reset(replace(straight_route(), stages=(line,)))
+    repair = step(repairer)
+    assert repair.status == RepairStatus.STARTING
+    assert repair.final_action == -0.5
+    assert "unusable route: " in repair.reason
+    repairer.reset(straight_route())
+    assert step(repairer).status == RepairStatus.RESET
+
+
+def test_what_is_no_route_at_all_holds_the_vehicle():
+    repairer = guarded(Scripted())
+    repairer.reset("the way home")
+    assert step(repairer).final_action == -0.5
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from roadmend.core.jit import compiled
 
 Floats = NDArray[np.float64]
 
+FAR = 1e8  # [m] no map is larger; beyond it the squares of distances lose all precision
 LEAP = 15.0  # [m] farther than anybody comes in a tick, and well within what is searched around the last place
 
 
@@ -144,6 +145,24 @@ class Route:
     def length(self) -> float:
         """Rough length of the way from start to goal [m], for displays and progress."""
         return sum(window.end for window in self.windows) + self.goal
+
+    @property
+    def fault(self) -> str:
+        """Why nobody can tell a place along it, or an empty string.
+
+        A point, a speed limit, a window or a zone is not finite, or two points that follow each other are one.
+        """
+        for index, stage in enumerate(self.stages):
+            if not (np.all(np.abs(stage.x) < FAR) and np.all(np.abs(stage.y) < FAR)):
+                return f"a point of stage {index} is not finite"
+            if not np.all(np.diff(stage.s) > 0.0):
+                return f"two points of stage {index} that follow each other are one"
+            if not np.all(stage.speed_limit >= 0.0):
+                return f"a speed limit of stage {index} is no number from 0 on"
+        stretches = [*self.windows, *self.zones]
+        if not all(math.isfinite(stretch.begin) and math.isfinite(stretch.end) for stretch in stretches):
+            return "a window or a zone is not finite"
+        return "its goal is no number" if math.isnan(self.goal) else ""
 
 
 class RouteTracker:

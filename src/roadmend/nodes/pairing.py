@@ -1,7 +1,10 @@
 """Pairs the messages of one tick: they share one stamp."""
 
+from collections import deque
 from collections.abc import Collection
 from typing import Any
+
+REMEMBERED = 64  # ticks that were dropped, whose parts may still come
 
 
 class TickPairing:
@@ -14,6 +17,7 @@ class TickPairing:
         self._parts = frozenset(parts)
         self._ticks: dict[int, dict[str, Any]] = {}
         self._arrival: dict[int, float] = {}
+        self._dropped: deque[tuple[int, set[str]]] = deque(maxlen=REMEMBERED)  # and the parts that each had
 
     def add(self, stamp: int, part: str, message: Any, now: float) -> dict[str, Any] | None:
         """Add one part of the tick ``stamp`` [ns] at wall time ``now`` [s]; returns the tick when it is complete."""
@@ -54,12 +58,23 @@ class TickPairing:
         """Drop a tick that will not be waited for, and all older ones."""
         self._forget_until(stamp)
 
+    def comes_too_late(self, stamp: int, part: str) -> bool:
+        """Whether a part is what a dropped tick had to do without; the same part once more is not, nor in another time."""
+        for dropped, parts in self._dropped:
+            if dropped == stamp and part not in parts:
+                parts.add(part)
+                return True
+        return False
+
     def clear(self) -> None:
-        """Drop everything."""
+        """Drop everything, and begin in another time."""
         self._ticks.clear()
         self._arrival.clear()
+        self._dropped.clear()
 
     def _forget_until(self, stamp: int) -> None:
         for old in [known for known in self._ticks if known <= stamp]:
-            del self._ticks[old]
+            tick = self._ticks.pop(old)
+            if not self._parts <= tick.keys():
+                self._dropped.append((old, {*tick}))
             del self._arrival[old]

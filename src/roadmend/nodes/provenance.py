@@ -2,7 +2,7 @@
 
 import contextlib
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from pathlib import Path
 from typing import Any
@@ -53,13 +53,13 @@ def described(found: Found[Any], made: object, parameters: Mapping[str, Any]) ->
         inner = made.method
     kind = type(inner)
     known = {"class": f"{kind.__module__}.{kind.__qualname__}", "package": _package(kind.__module__)}
-    model = next((each for each in (getattr(inner, name, None) for name in _MODEL) if each is not None), None)
-    digest = getattr(model, "digest", None) or getattr(inner, "model_digest", None)
+    model = _first(inner, _MODEL)
+    digest = _first(model, ("digest",)) or _first(inner, ("model_digest",))
     if digest:
         named = parameters.get("model")
         known |= {"model": _model_name(named)} if named else {}
         known["model_sha256"] = str(digest)
-    threshold = next((each for each in (getattr(inner, name, None) for name in _THRESHOLD) if each is not None), None)
+    threshold = _first(inner, _THRESHOLD)
     if isinstance(threshold, float | int):
         known["threshold"] = repr(float(threshold))
     if found.is_foreign:
@@ -67,6 +67,16 @@ def described(found: Found[Any], made: object, parameters: Mapping[str, Any]) ->
         with contextlib.suppress(InputError):  # code without a source has no digest
             known["code_sha256"] = source_digest(found.modules)
     return known
+
+
+def _first(thing: object, names: Iterable[str]) -> Any:
+    """The first of some attributes that is there; one whose property raises is not."""
+    for name in names:
+        with contextlib.suppress(Exception):
+            found = getattr(thing, name)
+            if found is not None:
+                return found
+    return None
 
 
 def _package(module: str) -> str:

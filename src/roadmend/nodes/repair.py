@@ -171,12 +171,12 @@ class RepairNode(SteadyLifecycleNode):
         """Make the method; without one the node stays unconfigured and sends nothing, so the simulator brakes."""
         try:
             self._use(self._make_repairer())
+            self._configuration.announce()
         except Exception as error:  # noqa: BLE001 - whatever a method does, there is a refusal with its reason
             told = error if isinstance(error, RoadmendError) else RoadmendError(f"{type(error).__name__}: {error}")
             self.get_logger().error(f"refuses to configure: {told}")
             self.fault = told
             return TransitionCallbackReturn.FAILURE
-        self._configuration.announce()
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -239,6 +239,8 @@ class RepairNode(SteadyLifecycleNode):
             self._publish(self._last_repair, stamp)  # a repeated tick gets the same answer again
             return
         if stamp < self._last_stamp and part in ("ego", "objects"):
+            if self._parts.pairing.comes_too_late(stamp, part):
+                return
             self._last_stamp = -1  # time ran backwards: the guard sees it and resets the method
             self._parts.pairing.clear()
             self._prepared = (-1, None)

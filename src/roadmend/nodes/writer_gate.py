@@ -16,6 +16,8 @@ from roadmend.nodes.numbered_input import NumberedInput
 from roadmend.nodes.policy_watch import PERIOD_S
 
 FIRST = 50  # highest number of a message that may be the first of a writer, while a stranger is there
+NEAR = 3  # numbers of two that lie no farther apart do not tell who speaks
+HEARD = 1.0  # [s] for which a stranger that has spoken is reckoned with as the next to speak
 GAP = 10  # messages of one writer that may be lost in a row
 LOST_PER_S = 250.0  # and so many more for each second since the last one
 
@@ -38,7 +40,9 @@ class WriterGate:
         self._is_there = False
         self._last: int | None = None  # number of the last message that was obeyed
         self._last_at = 0.0  # [s]
+        self._skipped: int | None = None  # number that would have followed the one before that
         self._other: int | None = None  # of the last one that was refused
+        self._other_at = 0.0  # [s]
         self._is_sure = False  # whether its numbers were beyond those that another one begins with when it was alone
         self._is_doubtful = False  # two speak whose numbers do not tell them apart
         self._known = 0  # endpoints of the writer that were seen at once
@@ -71,24 +75,34 @@ class WriterGate:
         if not self.strangers:
             self._is_sure = number > FIRST
             self._take(number, now)
+            self._other = self._skipped = None
             return True
         if not self._is_sure and self._last is not None and number <= self._last:
             self._is_doubtful = True
+        if number == self._skipped and not self._is_near(number, now):
+            self._is_doubtful = True  # who was obeyed has skipped nothing: that was the stranger
         if self._is_there and not self._is_doubtful and self._is_next(number, now):
             self._take(number, now)
             return True
-        self._other = number
+        # Of two that pass each other it is the stranger who is ahead thereafter: one that is as slow is never told apart.
+        self._other = number if self._other is None or not self._is_near(number, now) else max(number, self._other)
+        self._other_at = now
         self.refused += 1
         return False
 
+    def _is_near(self, number: int, now: float) -> bool:
+        """Whether a number is so near to the stranger's that it may be its own."""
+        return self._other is not None and now - self._other_at < HEARD and abs(number - self._other) <= NEAR
+
     def _is_next(self, number: int, now: float) -> bool:
-        if self._other is not None and number == self._other + 1:
-            return False  # it goes on where the stranger was
+        if self._is_near(number, now):
+            return False
         if self._last is None:
             return number <= FIRST
         return 0 < number - self._last <= GAP + LOST_PER_S * (now - self._last_at)
 
     def _take(self, number: int, now: float) -> None:
+        self._skipped = None if self._last is None or number <= self._last + 1 else self._last + 1
         self._last, self._last_at = number, now
 
 

@@ -19,6 +19,7 @@ from roadmend.recording import messages
 Signals = NDArray[np.uint8]
 
 TRACK_GAP = 1.0  # [s] an object that was not seen for longer is a new one, and so are all where a stamp is further back
+LEAP = 100.0  # [m/s] what moves faster was taken for something else, now or before
 SMOOTHING = 0.2  # [s] time constant of the velocities that are worked out from positions
 STILL = 0.5  # [m/s] a slower object keeps the heading of its box
 CARRY = 0.2  # [s] for which the ego's motion is carried on to the stamp of what was seen from it
@@ -142,6 +143,8 @@ class Detections:
     - An object counts from its second sighting on: its first says nothing of its speed, and a wrong one brakes for
       whoever overtakes. One that nobody follows (an empty id) counts at once, as standing. So does one that is seen
       again while no time passes by its stamps: to leave it out would be to drive into it.
+    - One that is farther from where it was than anybody drives counts as standing where it is said to be: to leave it out
+      would be to drive into it, if it is there.
     - A list that is stamped before the one before it, as of a slower sensor or a clock that was set a little, leaves
       nobody out either: who is known keeps his velocity, and is followed from there.
     - A list without a stamp is taken to be of the odometry's moment.
@@ -215,18 +218,21 @@ class Detections:
             track.stamp, track.x, track.y = stamp, x, y
             return track
         moved = (x - track.x) / passed, (y - track.y) / passed
+        track.stamp, track.x, track.y = stamp, x, y
+        if not math.hypot(*moved) <= LEAP:
+            track.velocity = None
+            return track
         share = 1.0 if track.velocity is None else 1.0 - math.exp(-passed / SMOOTHING)
         before = track.velocity or (0.0, 0.0)
         track.velocity = (
             before[0] + share * (moved[0] - before[0]),
             before[1] + share * (moved[1] - before[1]),
         )
-        track.stamp, track.x, track.y = stamp, x, y
         return track
 
     def _number(self, name: str) -> int:
-        if name.isdecimal() and int(name) < FIRST_NAMED:
-            return int(name)
+        if name.isdecimal() and len(name) <= 10 and str(int(name)) == name and int(name) < FIRST_NAMED:
+            return int(name)  # "07" is somebody else
         self._named += 1
         return FIRST_NAMED + self._named
 

@@ -21,7 +21,6 @@ from roadmend.repair.sanitise import is_usable_plan
 EGO, OBJECTS, COMMAND, TRAJECTORY, ROUTE = "ego", "objects", "command", "trajectory", "route"
 NEEDED = (EGO, OBJECTS, COMMAND)  # without these nothing can be repaired
 REPEATED_NS = 100_000_000  # [ns] a stamp less far behind the last one is no jump of the clock, but a repeated stamp
-LATEST = (1 << 31) * messages.NANOSECONDS - 1  # [ns] the last moment that a stamp can say
 STEP_NS = 1_000  # [ns] between the ticks of commands with the same stamp
 
 
@@ -45,7 +44,7 @@ class ForeignRepair:
     """Answers each command with the newest ego and objects, and toward braking where one of these is late.
 
     Every command is answered at once, so it costs no delay. A tick's time is its command's stamp; the ego's where that
-    is zero. Without a planned trajectory the present motion is assumed (``repair.assumed_motion``), and the reason says
+    is zero; that of the command's arrival where both are. Without a planned trajectory the present motion is assumed (``repair.assumed_motion``), and the reason says
     so; without a route, nothing is known of lanes and of the right of way.
 
     Args:
@@ -69,6 +68,7 @@ class ForeignRepair:
         self._arrivals: dict[str, float] = {}  # [s] of the last usable message of each input
         self._faults: dict[str, str] = {}  # why the last message of an input was not usable
         self._stamp = -1  # [ns] of the last command's tick
+        self._is_stamped = True  # whether anything said when that was
         self._assumption = str(self._motion.assumption)  # for the last tick
         self._started = False
 
@@ -145,7 +145,7 @@ class ForeignRepair:
         else:
             decision = self._motion.decide(ego, command)
             self._assumption = str(self._motion.assumption)
-        scene = Scene(1e-9 * self._stamp, ego, self._seen.objects, self._seen.signals)
+        scene = Scene(self._time_of(self._stamp, now), ego, self._seen.objects, self._seen.signals)
         repair = self._repairer.step(scene, decision)
         if not is_usable:  # which the guard, that is not given it, cannot declare
             repair = replace(repair, status=gravest(repair.status, RepairStatus.INVALID_COMMAND))
@@ -174,11 +174,11 @@ class ForeignRepair:
             status = RepairStatus.STALE_OBJECTS if self._started else RepairStatus.STARTING
             repair = self._repairer.controlled_stop(status, f"{reason}; {missing}")
         else:
-            scene = Scene(1e-9 * stamp, self._pose.ego, self._seen.objects, self._seen.signals)
+            scene = Scene(self._time_of(stamp, now), self._pose.ego, self._seen.objects, self._seen.signals)
             repair = self._repairer.controlled_stop(RepairStatus.STALE_COMMAND, reason, scene)
         header = self._asked.header
         if messages.stamp_of(header):
-            header = replace(header, stamp=messages.stamp_message_of(min(max(0, stamp), LATEST)))
+            header = replace(header, stamp=messages.stamp_message_of(stamp))
         return self._answer(repair, stamp, replace(self._asked, header=header))
 
     def silent(self, now: float) -> dict[str, str]:
@@ -230,14 +230,18 @@ class ForeignRepair:
         return f"{old} stamped {abs(behind):.2f} s before {new}"
 
     def _tick_of(self, stamp: int) -> int:
-        """The time of a tick [ns], later than the last one's unless the clock was set back."""
+        """The stamp of a tick [ns], later than the last one's unless the clock was set back."""
         if not stamp and self._pose is not None:
             stamp = self._pose.stamp
+        self._is_stamped = stamp != 0
         return self._stamp + STEP_NS if 0 <= self._stamp - stamp < REPEATED_NS else stamp
 
+    def _time_of(self, stamp: int, now: float) -> float:
+        """What the methods are told to be the time [s]; without stamps it is only known when something arrived."""
+        return 1e-9 * stamp if self._is_stamped else now
+
     def _answer(self, repair: Repair, stamp: int, asked: Any) -> Answer:
-        header = messages.header_at(min(max(0, stamp), LATEST))
-        return Answer(stamp, repair, self._form.write(repair.command, header, asked))
+        return Answer(stamp, repair, self._form.write(repair.command, messages.header_at(stamp), asked))
 
 
 def _other_frame(given: str, wanted: str) -> str:

@@ -31,6 +31,7 @@ MAP_FRAME = "map"
 BASE_FRAME = "base_link"
 EGO_SIZE = (4.8, 1.8)  # [m] length and width where no route has told them
 NANOSECONDS = 1_000_000_000  # in a second
+LATEST = (1 << 31) * NANOSECONDS - 1  # [ns] the last moment that a stamp can say
 
 TIME = MessageType("builtin_interfaces/msg/Time")
 HEADER = MessageType("std_msgs/msg/Header")
@@ -71,7 +72,8 @@ def _told(read: Callable[_Given, _Read]) -> Callable[_Given, _Read]:
 
 
 def stamp_message_of(nanoseconds: int) -> Any:
-    """A moment of simulation time [ns] as a message."""
+    """A moment of simulation time [ns] as a message; one that no stamp can say as the nearest that one can."""
+    nanoseconds = min(max(0, nanoseconds), LATEST)
     return TIME(sec=nanoseconds // NANOSECONDS, nanosec=nanoseconds % NANOSECONDS)
 
 
@@ -327,7 +329,7 @@ def route_of(message: Any) -> Route:
 
     Raises:
         ValueError: the arrays do not fit together, a stage has less than two points, a zone lies on no stage, there are
-            more windows than stages to change to, or a rule is unknown.
+            more windows than stages to change to, a rule is unknown, or the route has a fault (``Route.fault``).
     """
     x, y, limits = floats_of(message.x), floats_of(message.y), floats_of(message.speed_limit)
     begins = [*message.stage_begin.tolist(), len(x)]
@@ -347,7 +349,7 @@ def route_of(message: Any) -> Route:
             raise ValueError(f"route: a zone lies on stage {stage} of {len(stages)}, counted from 0")
     columns = (message.zone_stage, message.zone_begin, message.zone_end, message.zone_rule, message.zone_signal)
     zones = zip(*(column.tolist() for column in columns), strict=True)
-    return Route(
+    route = Route(
         message.scenario,
         message.ego_length,
         message.ego_width,
@@ -357,6 +359,9 @@ def route_of(message: Any) -> Route:
         tuple(Window(begin, end) for begin, end in windows),
         tuple(Zone(stage, begin, end, RightOfWay(rule), signal) for stage, begin, end, rule, signal in zones),
     )
+    if route.fault:
+        raise ValueError(f"route: {route.fault}")
+    return route
 
 
 def map_message_of(lanes: LaneMap, header: Any) -> Any:

@@ -52,6 +52,7 @@ class GuardedRepairer:
         self._method = method
         self._rule = RssRepair(RssParameters(full_brake=self.parameters.full_brake))
         self._route: Route | None = None
+        self._route_fault = ""
         self._method_fault = ""
         self.first_fault = ""  # why the method, ever since it was made, first could not answer; not that it was slow
         self._time = math.nan  # [s] stamp of the last tick; NaN before the first of an episode
@@ -59,8 +60,15 @@ class GuardedRepairer:
         self._keep = np.zeros(64, dtype=np.bool_)
 
     def reset(self, route: Route) -> None:
-        """Begin an episode on ``route``; the first tick after it is reported as RESET."""
-        self._route = route
+        """Begin an episode on ``route``; the first tick after it is reported as RESET.
+
+        On an unusable route every tick is answered with a controlled stop.
+        """
+        try:
+            self._route_fault = f"unusable route: {route.fault}" if route.fault else ""
+        except Exception as error:  # noqa: BLE001 -- not even shaped like a route
+            self._route_fault = f"unusable route: {error!r}"
+        self._route = None if self._route_fault else route
         self._forget()
 
     def warm_up(self) -> None:
@@ -178,7 +186,7 @@ class GuardedRepairer:
 
     def _step(self, scene: Scene, decision: Decision) -> Repair:
         if self._route is None:
-            return self.controlled_stop(RepairStatus.STARTING, "no route yet", None, decision)
+            return self.controlled_stop(RepairStatus.STARTING, self._route_fault or "no route yet", None, decision)
         if not is_usable_ego(scene.ego, scene.time):
             return self.controlled_stop(RepairStatus.STALE_OBJECTS, "odometry is not finite", None, decision)
         notes: list[str] = []

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.jit import compiled
+from roadmend.core.route import FAR
 from roadmend.core.scene import EgoState, Objects
 
 Floats = NDArray[np.float64]
 
-FAR = 1e8  # [m] no map is larger; beyond it the squares of distances lose all precision
 LATE = 1e6  # [s] no plan looks as far ahead, and points much later than that have no stamp
 SHORT = 1e-3  # [s] no plan needs its points nearer to each other, and far nearer ones cannot be counted
 MANY = 600  # points of a plan; a planned path has no room for many more
