@@ -20,7 +20,7 @@ def came(**changes):
     """A result as far as the exit code goes."""
     nothing = {"policy_error": "", "method_error": "", "recording_error": "", "faults": (), "lost_messages": 0}
     nothing |= {"answers": {"PASS": 9, "RESET": 1}, "repair_restarts": 0, "watchdog_ticks": 0, "foreign_frames": ""}
-    return SimpleNamespace(**nothing | {"bag": "bags/bag"} | changes)
+    return SimpleNamespace(**nothing | {"bag": "bags/bag", "episode": SimpleNamespace(scenario="town")} | changes)
 
 
 @pytest.fixture
@@ -126,7 +126,7 @@ def egos(tmp_path, monkeypatch, capsys):
     path = tmp_path / "town.sumocfg"
     path.write_text('<configuration><net-file value="town.net.xml"/></configuration>')
 
-    def of(*arguments, refused=(), failed=()):
+    def of(*arguments, refused=(), failed=(), troubled=()):
         started = []
 
         def start(options):
@@ -136,7 +136,9 @@ def egos(tmp_path, monkeypatch, capsys):
             if scenario.seed in failed:
                 raise RoadmendError("SUMO ended")
             started.append((options, scenario))
-            return came()
+            faults = ("policy_node ended (1)",) if scenario.seed in troubled else ()
+            drive = SimpleNamespace(scenario=scenario.name)
+            return came(episode=drive, faults=faults, recording_error="disk full" if faults else "")
 
         monkeypatch.setattr(run, "run_with_status", start)
         monkeypatch.setattr(run, "show_results", lambda *_: None)
@@ -180,6 +182,20 @@ def test_an_ego_that_fails_on_the_way_costs_the_others_nothing(egos):
 
 def test_where_the_first_one_fails_the_others_are_not_tried(egos):
     assert egos("--egos", 3, failed=(0,)) == (1, [], ["roadmend: SUMO ended"])
+
+
+def test_one_that_fails_after_one_that_cannot_be_driven_costs_neither_its_line_nor_the_others(egos):
+    code, started, said = egos("--egos", 4, refused=(0,), failed=(1,))
+    assert (code, [scenario.seed for _, scenario in started]) == (1, [2, 3])
+    assert [line.rpartition(": ")[2] for line in said] == ["is of no use; choose another seed", "SUMO ended"]
+
+
+def test_all_that_went_wrong_is_said_of_each(egos):
+    code, _, said = egos("--egos", 3, troubled=(1, 2))
+    assert code == 1
+    assert [line.partition("town-")[2] for line in said] == [
+        f"{seed}: {what}" for seed in (1, 2) for what in ("disk full", "policy_node ended (1)")
+    ]
 
 
 def test_one_ego_that_cannot_be_driven_is_bad_input(egos):

@@ -230,6 +230,14 @@ def test_topics_appear_as_they_are_published_and_time_that_runs_backwards_begins
         node = rclpy.create_node("talker")
         to_clock = node.create_publisher(ClockMessage, "/clock", 10)
         client.wait("channel", lambda heard: heard["topic"] == "/clock")
+        context = rclpy.Context()
+        rclpy.init(context=context)
+        other = rclpy.create_node("other", context=context)
+        odd = [each.create_publisher(kind, "/odd", 10) for each, kind in ((node, Float64), (other, ClockMessage))]
+        time.sleep(1.0)
+        other.destroy_node()  # of two types it is not shown, and of one it is
+        rclpy.shutdown(context=context)
+        client.wait("channel", lambda heard: heard["topic"] == "/odd")
         gap = node.create_publisher(Float64, "/gap", 10)
         client.wait("channel", lambda heard: heard["topic"] == "/gap")
         client.ask(subscribe="/gap")
@@ -255,6 +263,7 @@ def test_topics_appear_as_they_are_published_and_time_that_runs_backwards_begins
         assert client.wait("parameters")["parameters"] == []  # there is no node of those it asks
         client.ask(set={"/car/repair_node.rss.rho": 1.0})
         assert "is not there" in client.wait("status")["message"]
+        assert odd
     finally:
         rclpy.try_shutdown()
 

@@ -119,6 +119,19 @@ def test_a_database_that_is_none(tmp_path, content):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bad"]
 
 
+@pytest.mark.parametrize("mode", ["message", "file"])
+@pytest.mark.parametrize("given", ["", "metadata.yaml", "sql.db3"])
+def test_a_database_that_is_compressed_as_a_whole_is_refused_unread(corpus, tmp_path, mode, given):
+    convert(corpus[0], tmp_path / "sql", "sqlite3")
+    metadata = tmp_path / "sql" / "metadata.yaml"
+    text = metadata.read_text("utf-8")
+    text = text.replace("compression_format: ''", "compression_format: zstd")
+    metadata.write_text(text.replace("compression_mode: ''", f"compression_mode: {mode}"), "utf-8")
+    with pytest.raises(InputError, match=f"the bag is compressed by {mode}"):
+        convert(tmp_path / "sql" / given, tmp_path / "back", "mcap")
+    assert not (tmp_path / "back").exists()
+
+
 def test_what_needs_no_conversion_or_allows_none(corpus, tmp_path):
     folder, _ = corpus
     with pytest.raises(InputError, match="is a bag of mcap already; choose the other storage"):

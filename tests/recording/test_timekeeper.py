@@ -59,11 +59,10 @@ def test_where_the_clock_is_a_wall_clock_its_stamps_are_believed(times):
     assert keeper.wall_stamps == 0
 
 
-def test_without_simulation_stamps_are_believed_and_the_rest_gets_wall_time(times):
-    keeper = Timekeeper(simulated=False)
-    assert times(keeper, COMMAND, TODAY) == TODAY
+@pytest.mark.parametrize("told", [(COMMAND, TODAY), (COMMAND, 0), (COMMAND, -SECOND), (CLOCK, 12 * SECOND), (TEXT,)])
+def test_without_simulation_a_message_belongs_to_the_moment_at_which_it_came(times, told):
     before = time.time_ns()
-    assert before <= times(keeper, TEXT) <= time.time_ns()
+    assert before <= times(Timekeeper(simulated=False), *told) <= time.time_ns()
 
 
 def test_a_stamp_before_time_began_counts_as_no_stamp(times):
@@ -73,7 +72,5 @@ def test_a_stamp_before_time_began_counts_as_no_stamp(times):
     assert times(keeper, CLOCK, -SECOND) == 0
 
 
-def test_without_simulation_a_stamp_of_zero_is_one_that_nobody_has_set(times):
-    before = time.time_ns()
-    assert before <= times(Timekeeper(simulated=False), COMMAND, 0) <= time.time_ns()
-    assert times(Timekeeper(), COMMAND, 0) == 0  # a simulation begins then
+def test_a_stamp_of_zero_is_that_of_a_simulation_that_begins(times):
+    assert times(Timekeeper(), COMMAND, 0) == 0

@@ -191,7 +191,7 @@ def run(given: RunOptions) -> int:
                     print_results(results, as_json=given.as_json)
                 raise
             except RoadmendError as error:
-                if not results:  # nothing has been driven yet: it may well be of all
+                if not results and not faults:  # nothing has been tried before: it may well be of all
                     raise
                 faults.append(RoadmendError(f"{scenario.name}: {error}"))
     if results or given.as_json:
@@ -203,13 +203,20 @@ def run(given: RunOptions) -> int:
             click.echo(f"roadmend: {complaint}", err=True)
         if result.lost_messages:
             click.echo(f"roadmend: {gap_of(result.bag, result.lost_messages)}", err=True)
-    for result in results:
-        for trouble in (result.policy_error, result.method_error, result.recording_error, "; ".join(result.faults)):
-            if trouble:
-                raise RoadmendError(trouble)
+    troubles = [(result, trouble) for result in results for trouble in _troubles(result)]
+    for result, trouble in troubles:
+        click.echo(
+            f"roadmend: {result.episode.scenario}: {trouble}" if len(chosen) > 1 else f"roadmend: {trouble}", err=True
+        )
     if not results:
         return 2
-    return 1 if faults else 0
+    return 1 if faults or troubles else 0
+
+
+def _troubles(result: RunResult) -> list[str]:
+    """Each reason for which a run that has ended ends with 1, once."""
+    told = (result.policy_error, result.method_error, result.recording_error, "; ".join(result.faults))
+    return [*dict.fromkeys(filter(None, told))]
 
 
 def _scenarios(given: RunOptions) -> list[Scenario]:

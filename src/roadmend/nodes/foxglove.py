@@ -69,6 +69,7 @@ class FoxgloveNode(Node):
         self._timekeeper = Timekeeper()
         self._bridged: dict[str, _Bridged] = {}
         self._skipped: dict[str, str] = {}  # topic and why
+        self._refused: dict[str, list[str]] = {}  # the types for which it is skipped; with others it is tried again
         self._wishes: deque[tuple[str, int]] = deque()  # topics, and clients come (+1) or gone (-1)
         self._told_ns = -1  # [ns] time that clients know of
         self._refusals: dict[str, str] = {}  # parameter and why its last value was refused
@@ -112,14 +113,14 @@ class FoxgloveNode(Node):
                 # of it would arrive.
                 if bridged.subscription is not None and self.count_publishers(name):
                     self._subscribe(name, bridged)
-            elif name not in self._skipped and "/_" not in name and self.count_publishers(name):
+            elif self._refused.get(name) != types and "/_" not in name and self.count_publishers(name):
                 self._begin(name, types)
 
     def _begin(self, name: str, types: list[str]) -> None:
         try:
             definition, message_type = look_up(name, types)
         except InputError as error:
-            self._skipped[name] = str(error)
+            self._skipped[name], self._refused[name] = str(error), types
             self.get_logger().error(f"not shown: {error}")
             return
         schema = foxglove.Schema(name=definition.type_name, encoding="ros2msg", data=definition.text.encode())
@@ -140,6 +141,7 @@ class FoxgloveNode(Node):
                 self._server.clear_session()  # a new episode, or a replay from the start: what was drawn is history
             channel.log(data, log_time=time_ns)
 
+        self._skipped.pop(name, None)
         self._bridged[name] = bridged = _Bridged(channel, message_type, pass_on)
         if is_clock:  # which is followed even where nobody looks at it
             bridged.clients += 1

@@ -62,7 +62,7 @@ class RecorderParameters(Parameters):
         "^/parameter_events$", description="regular expression found in each topic not to record; empty for none"
     )
     time_source: Literal["simulation", "system"] = Field(
-        "simulation", description="simulation (/clock rules) or system (wall time for messages without header)"
+        "simulation", description="simulation (/clock rules) or system (wall time at which a message came)"
     )
     compression: str = Field("zstd", description="of the chunks: zstd, lz4 or none")
     chunk_size: int = Field(1 << 20, ge=1 << 12, le=1 << 26, description="size at which a chunk is written [bytes]")

@@ -78,6 +78,7 @@ def convert(path: Path, out: Path, storage: str, advance: Callable[[int], None] 
 
 
 def _to_mcap(path: Path, out: Path, conversion: Conversion, advance: Callable[[int], None]) -> None:
+    layout.refuse_compressed(path.parent if path.suffix in _SUFFIXES else path)
     try:
         with Reader(path) as reader, new_bag(out, BagOptions(flush_interval=float("inf"))) as writer:
             for connection in reader.connections:

@@ -127,12 +127,7 @@ def files_of(path: Path) -> list[Path]:
             f"the bag's storage is {information['storage_identifier']!r}",
             "turn it into one of mcap with 'roadmend bag convert'",
         )
-    if information.get("compression_mode"):
-        raise InputError(
-            str(metadata),
-            f"the bag is compressed by {information['compression_mode']}",
-            "rewrite it with 'ros2 bag convert', without compression_mode",
-        )
+    refuse_compressed(path)
     return [metadata.parent / name for name in information["relative_file_paths"]]
 
 
@@ -146,6 +141,21 @@ def is_compressed(path: Path) -> bool:
         return bool(read_metadata(path).get("compression_mode"))
     except InputError:
         return False
+
+
+def refuse_compressed(path: Path) -> None:
+    """Refuse a bag whose messages or files are compressed as a whole: nobody bounds what they unpack to.
+
+    Args:
+        path: a bag's folder, or its metadata.yaml.
+
+    Raises:
+        InputError: it is one.
+    """
+    if is_compressed(path):
+        mode = read_metadata(path)["compression_mode"]
+        mend = "rewrite it with 'ros2 bag convert', without compression_mode"
+        raise InputError(str(folder_of(path) / METADATA_FILE), f"the bag is compressed by {mode}", mend)
 
 
 def promised_counts(path: Path) -> dict[str, int]:

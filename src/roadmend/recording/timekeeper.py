@@ -21,8 +21,8 @@ class Timekeeper:
     would else stretch the recording over decades.
 
     Args:
-        simulated: whether /clock rules; otherwise stamps are taken as they are and messages without one, or with one of
-            zero, get wall time.
+        simulated: whether /clock rules; otherwise a message belongs to the wall time at which it came, as in a bag of
+            rosbag2: what is late is late in the bag too.
     """
 
     def __init__(self, *, simulated: bool = True) -> None:
@@ -35,6 +35,8 @@ class Timekeeper:
 
         It raises ValueError where they are too few to hold the stamp of one.
         """
+        if not self._simulated:
+            return self._of_bare
         if definition.type_name == CLOCK_TYPE:
             return self._of_clock
         if definition.first_field == _HEADER:
@@ -48,9 +50,9 @@ class Timekeeper:
 
     def _of_header(self, data: bytes) -> int:
         stamp = stamp_of_bytes(data)
-        if stamp < 0 or (stamp == 0 and not self._simulated):  # nobody has stamped it
+        if stamp < 0:  # nobody has stamped it
             return self.unstamped()
-        if stamp >= _WALL_NS > self.now_ns and self._simulated:
+        if stamp >= _WALL_NS > self.now_ns:
             self.wall_stamps += 1
             return self.now_ns
         return stamp
