@@ -152,6 +152,10 @@ def test_other_random_drives_than_the_tables_can_be_asked_for_but_not_mixed_with
             ["--sumocfg", "berlin/osm.sumocfg", "--sumocfg", "paris/osm.sumocfg"],
             "--sumocfg paris/osm.sumocfg: there is another set 'osm'; rename the file",
         ),
+        (
+            ["--policy", "neural", "--first", "68000001", "--count", "100000"],
+            "--first: models of neural practise on the drives of the seeds from 68100000 to 68199999; begin elsewhere",
+        ),
         (["--sumocfg", "x/random.sumocfg"], "--sumocfg x/random.sumocfg: there is another set 'random'; rename"),
         (["--networks", "1", "--sumocfg", "city.sumocfg"], "--sumocfg city.sumocfg: there is another set 'city'"),
     ],

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from roadmend.core.journal import Journal
+from roadmend.core.outcome import Blame
 from roadmend.measures import evaluation, registry
 from roadmend.measures.evaluation import Driven, EvaluationTrial, drive_trial, run_trials, trials_of
 from roadmend.measures.evaluation_figures import evaluate, evaluation_rows, meanings
@@ -21,7 +22,12 @@ SCENARIOS = [sample_scenario("S3", seed) for seed in range(4)]
 
 def driven(method, outcomes):
     return [
-        Driven(EvaluationTrial(scenario, "modular", method, method), replace(episode(outcome), scenario=scenario.name))
+        Driven(
+            EvaluationTrial(scenario, "modular", method, method),
+            replace(
+                episode(outcome, blame=Blame.FRONT if outcome == "COLLISION" else Blame.UNKNOWN), scenario=scenario.name
+            ),
+        )
         for scenario, outcome in zip(SCENARIOS, outcomes, strict=True)
     ]
 
@@ -34,6 +40,14 @@ def test_what_the_policy_does_alone_decides_what_can_be_fixed_and_degraded():
     assert figures["rss"]["goal"]["share"] == 50.0
     assert figures["rss"]["outcomes"] == {"GOAL": 2, "COLLISION": 2}
     assert evaluation_rows({"modular": figures})[2][:4] == ["modular", "rss", "4", "50.0"]
+
+
+def test_whom_others_strike_without_a_fault_of_his_has_nothing_to_be_repaired_and_was_not_spoilt():
+    alone, repaired = driven("none", ["COLLISION", "COLLISION", "GOAL", "GOAL"]), driven("rss", ["GOAL"] * 4)
+    struck = episode("COLLISION", blame=Blame.EGO_STOOD)
+    alone[0] = Driven(alone[0].trial, replace(struck, scenario=SCENARIOS[0].name))
+    found = evaluate(alone + repaired)["modular"]["rss"]["repair"]
+    assert (found["violations"], found["successes"], found["fix"]) == (1, 2, 100.0)
 
 
 def test_the_table_keeps_its_columns():

@@ -165,6 +165,16 @@ def test_the_same_entries_give_the_same_bank(tmp_path):
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
 
 
+def test_what_no_descriptor_tells_makes_another_bank_all_the_same(tmp_path):
+    scenario, digests = sample_scenario("S1", 7), set()
+    for seed in (1, 2):
+        entry = entry_of(scenario.model_copy(update={"seed": seed}), "here")
+        build_bank(tmp_path / str(seed), [entry])
+        with Bank(tmp_path / str(seed)) as bank:
+            digests.add(bank.digest)
+    assert len(digests) == 2
+
+
 def test_an_empty_bank_is_a_bank(tmp_path):
     assert build_bank(tmp_path / "b", []) == Built(0, 0, 0)
     with Bank(tmp_path / "b") as bank:

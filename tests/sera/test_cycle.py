@@ -111,6 +111,16 @@ def test_it_goes_on_where_it_stopped_and_does_again_what_was_decided_otherwise(c
     assert "tune" in cycle(settings="other", scenarios=1)[1].asked
 
 
+def test_what_was_recommended_and_is_not_in_the_bank_is_an_error_that_says_so(cycle, tmp_path):
+    cycle()
+    path = tmp_path / "cycle" / "generation-0" / "recommendation.json"
+    content = json.loads(path.read_text("utf-8"))
+    content["refined"][0] |= {"digest": "0" * 64, "name": "lost"}
+    path.write_text(json.dumps(content), "utf-8")
+    with pytest.raises(InputError, match=r"recommendation.json: lost is not in .*; remove the file to choose anew"):
+        cycle()
+
+
 def test_given_bags_are_learned_from_first(cycle, tmp_path):
     given = tmp_path / "given"
     given.mkdir()

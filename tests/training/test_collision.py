@@ -51,3 +51,8 @@ def test_without_a_collision_or_a_sight_of_the_other_there_is_nothing_to_say():
     scene = scene_with(100.0, 54.1, NORTH)
     assert describe_collision(scene, Event(1.0, EventKind.GOAL, "there")) is None
     assert describe_collision(scene, Event(1.0, EventKind.COLLISION, "bang", (8,), ("v4",))) is None
+
+
+def test_whom_nobody_named_has_no_name():
+    seen = describe_collision(scene_with(102.1, 50.5, NORTH), Event(1.0, EventKind.COLLISION, "", HIT.object_ids, ()))
+    assert (seen.other, seen.name) == ("car", "")

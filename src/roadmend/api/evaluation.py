@@ -24,7 +24,6 @@ from roadmend.measures.evaluation_figures import TITLE, evaluation_rows, meaning
 from roadmend.measures.evaluation_figures import evaluate as figures_of
 from roadmend.measures.fitting import fitting, fitting_accounts
 from roadmend.reports.result_files import provenance, write_report
-from roadmend.world.scenario import Scenario
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -228,5 +227,5 @@ def _fitted(driver: PolicyLike, method: RepairLike) -> dict[str, Any]:
 
 
 def _drive_here(trial: EvaluationTrial, driver: PolicyLike, method: RepairLike) -> Driven:
-    scenario: Scenario = trial.scenario
-    return drive_with(trial, partial(policy_of, driver), partial(repairer_of, method, None, seed_of(scenario)))
+    seed = seed_of(trial.scenario.name)
+    return drive_with(trial, partial(policy_of, driver), partial(repairer_of, method, None, seed))

@@ -159,7 +159,7 @@ class Route:
                 return f"two points of stage {index} that follow each other are one"
             if not np.all(stage.speed_limit >= 0.0):
                 return f"a speed limit of stage {index} is no number from 0 on"
-        stretches = [*self.windows, *self.zones]
+        stretches: list[Window | Zone] = [*self.windows, *self.zones]
         if not all(math.isfinite(stretch.begin) and math.isfinite(stretch.end) for stretch in stretches):
             return "a window or a zone is not finite"
         return "its goal is no number" if math.isnan(self.goal) else ""

@@ -124,7 +124,7 @@ def run_trials(
 
 def drive_trial(trial: EvaluationTrial) -> Driven:
     """Drive one episode in this process; whatever goes wrong is a result here."""
-    repairer = partial(make_repairer, trial.method, trial.parameters, seed_of(trial.scenario))
+    repairer = partial(make_repairer, trial.method, trial.parameters, seed_of(trial.scenario.name))
     return drive_with(trial, partial(make_policy, trial.policy), repairer)
 
 
@@ -153,6 +153,6 @@ def drive_with(
     return Driven(trial, result)
 
 
-def seed_of(scenario: Scenario) -> int:
-    """Seed for methods that draw numbers: the same for a scenario in every run, another for every scenario."""
-    return int.from_bytes(hashlib.sha256(f"roadmend/evaluate/{scenario.name}".encode()).digest()[:4], "big") >> 1
+def seed_of(name: str) -> int:
+    """Seed for methods that draw numbers: the same for a scenario of this name in every run, another for every one."""
+    return int.from_bytes(hashlib.sha256(f"roadmend/bench/{name}".encode()).digest()[:4], "big") >> 1

@@ -48,7 +48,10 @@ def _results(driven: Sequence[Driven]) -> dict[str, dict[str, list[EpisodeResult
 
 
 def _cases(results: Sequence[EpisodeResult], alone: Sequence[EpisodeResult]) -> list[CaseResult]:
-    violations = {before.scenario: before.collided for before in alone if before.collided or before.reached_goal}
+    # Whom others strike without a fault of the policy's has nothing to be repaired, and was not spoilt either.
+    violations = {
+        before.scenario: before.final.at_fault for before in alone if before.final.at_fault or before.reached_goal
+    }
     return [
         CaseResult(result.scenario, "", violations[result.scenario], result)
         for result in results

@@ -103,7 +103,13 @@ MEASURES: dict[str, Measure] = {
     "repair": Measure(
         lambda episodes: summarise(episodes.cases),
         (
-            Column("%Fix", "", "higher", "collisions of the policy alone that now end at the goal", itemgetter("fix")),
+            Column(
+                "%Fix",
+                "",
+                "higher",
+                "collisions of the policy alone, by its own fault, that now end at the goal",
+                itemgetter("fix"),
+            ),
             Column("%Deg", "", "lower", "what it completes alone and now ends in a collision", itemgetter("deg")),
             Column("ΔE", "", "higher", "%Fix less %Deg", itemgetter("delta_e"), _interval_of_delta_e),
             Column("dose", "s", "lower", "full command by which an episode was changed", itemgetter("dose"), digits=2),
@@ -116,7 +122,8 @@ MEASURES: dict[str, Measure] = {
                 "untouched",
                 "%",
                 "higher",
-                "drives without a violation of the policy alone that are changed by less than 0.2 s of full command",
+                "drives without a violation of the policy alone that are changed by less than 0.2 s of full command "
+                "and in which no lane change is held back",
                 itemgetter("untouched"),
             ),
             Column("time lost", "%", "lower", "on the way to the goal in these", itemgetter("time_lost")),

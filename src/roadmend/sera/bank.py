@@ -86,9 +86,23 @@ def build_bank(
             write_array(connection, "vectors", vectors)
         write_array(connection, "codes", index.dump_codes())
         write_array(connection, "embedder", np.frombuffer(model.dump(), dtype=np.uint8))
-        facts = {"format": FORMAT, "roadmend": __version__, "embedder": model.name, "entries": str(built.added)}
+        facts = {
+            "format": FORMAT,
+            "roadmend": __version__,
+            "embedder": model.name,
+            "entries": str(built.added),
+            "scenarios": _digest_of_entries(connection),
+        }
         connection.executemany("INSERT INTO meta VALUES (?, ?)", facts.items())
     return built
+
+
+def _digest_of_entries(connection: sqlite3.Connection) -> str:
+    """SHA-256 over the digests of the scenarios in their order: what descriptors do not tell makes another bank too."""
+    digest = hashlib.sha256()
+    for (each,) in connection.execute("SELECT digest FROM entries ORDER BY number"):
+        digest.update(f"{each}\n".encode())
+    return digest.hexdigest()
 
 
 def _insert(connection: sqlite3.Connection, entries: Iterable[BankEntry], report: Report) -> Built:
@@ -202,7 +216,7 @@ class Bank:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of what the bank says of itself, the digests of its vectors and of its embedder among it."""
+        """SHA-256 of what the bank says of itself, the digests of its scenarios, vectors and embedder among it."""
         return hashlib.sha256(json.dumps(self.meta, sort_keys=True).encode()).hexdigest()
 
     def embed(self, pattern: FailurePattern) -> Vectors:

@@ -194,6 +194,9 @@ class Cycle:
             lambda: self._recommend(known, exclude),
         )
         entries = [self._bank.find(each["digest"]) for each in content["refined"]]
+        if None in entries:
+            missing = content["refined"][entries.index(None)]["name"]
+            raise InputError(str(path), f"{missing} is not in {self._bank.path}", "remove the file to choose anew")
         usable = [entry.scenario for entry in entries if entry is not None and entry.scenario is not None]
         generation = replace(
             generation, selected=tuple(each["name"] for each in content["refined"]), swaps=len(content["swaps"])

@@ -49,7 +49,7 @@ def describe_collision(scene: Scene, event: Event) -> CollisionConfiguration | N
     """The collision that ``event`` reports, from the last scene before it; None where the other was not yet seen."""
     if event.kind != EventKind.COLLISION or not event.object_ids:
         return None
-    number, name = event.object_ids[0], event.object_names[0]
+    number, name = event.object_ids[0], next(iter(event.object_names), "")
     found = np.flatnonzero(scene.objects.id == number)
     if not len(found):
         return None

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from roadmend.core.command import Command, Decision
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.measures.answering import Answering
 from roadmend.policies.expert import Expert
 from roadmend.policies.neural import NeuralPolicy
 from roadmend.policies.neural_observer import Observer
@@ -52,7 +53,7 @@ class Tutor:
         self._expert.privilege(lesson.scenario.environment.effective_friction)
         # By its class, not by its name: so the code of the method is part of what lessons are kept by.
         own = AdreftParameters(model=str(lesson.repair))
-        self._repairer = None if lesson.repair is None else GuardedRepairer(AdreftRepair(own))
+        self._repairer = None if lesson.repair is None else Answering(GuardedRepairer(AdreftRepair(own)))
         self._learner = NeuralPolicy(lesson.model) if lesson.model is not None else None
         self._observer = self._learner.observer if self._learner is not None else Observer()
         self._tick = 0

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 _TECHNIQUE = r"[A-Za-z0-9_.]*[A-Za-z_][A-Za-z0-9_.]*"  # a registry's label; a number alone is none
-_FOUND = re.compile(rf"(?P<search>.+-{_TECHNIQUE}-\d+)-\d{{5}}")  # ...-TECHNIQUE-SEED-NUMBER
+_FOUND = re.compile(rf"(?P<search>.+-{_TECHNIQUE}-\d+)-\d{{5,}}")  # ...-TECHNIQUE-SEED-NUMBER
 
 
 def case_name(labels: Sequence[str], seed: int, index: int) -> str:

@@ -25,6 +25,7 @@ from roadmend.core.fanout import fan_out
 from roadmend.core.resources import cache_folder, config_folder
 from roadmend.core.whole_file import write_texts
 from roadmend.reports.result_files import origin, provenance
+from roadmend.training.adreft.random_case import practice_seeds
 from roadmend.world.procedural_networks import KINDS, NetworkRequest, generate_configuration
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios
@@ -159,6 +160,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
         "at_time_lost": {},
     }
     _check_names(given)
+    _check_seeds(given, policies)
     with counting() as progress:
         sets = _sets(given, work, progress)
         for policy in policies:
@@ -195,6 +197,15 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
         return
     for table in tables:
         show_rows(table.rows)
+
+
+def _check_seeds(given: OrdinaryOptions, policies: Sequence[str]) -> None:
+    """Refuse drives that a policy's models may have learned from."""
+    for policy in policies:
+        for seeds in practice_seeds(policy):
+            if given.first < seeds.stop and given.first + given.count > seeds.start:
+                what = f"models of {policy} practise on the drives of the seeds from {seeds.start} to {seeds.stop - 1}"
+                raise InputError("--first", what, "begin elsewhere")
 
 
 def _check_names(given: OrdinaryOptions) -> None:

@@ -20,6 +20,7 @@ from roadmend.core.scene import Scene
 from roadmend.core.tick import Tick
 from roadmend.measures.answering import Answering
 from roadmend.measures.case_result import CaseResult
+from roadmend.measures.evaluation import seed_of
 from roadmend.measures.monitor import Confusion
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
@@ -48,11 +49,6 @@ def case_key(case: Case) -> str:
     """Digest of what decides how a case runs, and of what it is called."""
     content = [case.name, case.family, case.seed, dict(case.parameters), case.is_violation]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
-
-
-def case_seed(case: Case) -> int:
-    """Seed for methods that draw numbers: the same for a case in every run, another for every case."""
-    return int.from_bytes(hashlib.sha256(f"roadmend/bench/{case.name}".encode()).digest()[:4], "big") >> 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +116,7 @@ def _repair(job: CaseJob) -> tuple[dict[str, Any], ...]:
 
 
 def _method(contender: Contender, case: Case) -> Repairer:
-    return Answering(make_repairer(contender.method, contender.parameters, case_seed(case)))
+    return Answering(make_repairer(contender.method, contender.parameters, seed_of(case.name)))
 
 
 def _monitor(job: CaseJob, labels: CriticalFrames) -> tuple[dict[str, Any], ...]:

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from statistics import fmean
 
-from harness.case_jobs import case_seed
 from harness.grid import Setting
 from harness.pulse import Pulse, PulsePlayer
 from harness.shuffle import BlockPlayer, blocks_of, shuffled
@@ -15,6 +14,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.tick import INTERVAL
 from roadmend.measures.answering import Answering
 from roadmend.measures.driver import driver_key
+from roadmend.measures.evaluation import seed_of
 from roadmend.measures.need import HORIZON
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
@@ -102,7 +102,7 @@ def _shuffled(job: ControlJob, setting: Setting) -> ControlResult:
     case, scenario = job.case, job.case.scenario()
 
     def method() -> Repairer:
-        return Answering(make_repairer(setting.method, setting.parameters, case_seed(case)))
+        return Answering(make_repairer(setting.method, setting.parameters, seed_of(case.name)))
 
     result, blocks, waits = blocks_of(scenario, make_policy(job.policy), method())
     wanted = EventKind.GOAL if case.is_violation else EventKind.COLLISION

@@ -3,7 +3,8 @@
 Those that went well were chosen by what the old policy made of them, luck included, so that whoever drives them again can
 only lose. They are driven twice more by both policies with other random numbers for SUMO's drivers. These change how much
 the others dawdle and nothing else, so this takes out the luck of that, which is next to none: the old policy reproduces nearly
-all of its successes. The ordinary scenarios as a whole, which nobody chose, are the unbiased measure.
+all of its successes. The scenarios that are no violations as a whole are chosen by less: half are drawn at random, the others
+are what searches found to go well under another policy.
 """
 
 from collections.abc import Sequence
@@ -31,7 +32,7 @@ def redrawn(evaluated: Sequence[Evaluated], before: Sequence[DrivingMeasures]) -
 def forgotten(
     evaluated: Sequence[Evaluated], before: Sequence[DrivingMeasures], after: Sequence[DrivingMeasures]
 ) -> dict[str, float | int | None]:
-    """What became of the ordinary scenarios, and of those among them that went well before; differences in points."""
+    """What became of the scenarios that are no violations, and of those among them that went well before; differences in points."""
     ordinary = [place for place, each in enumerate(evaluated) if not each.is_hard]
     well = [place for place in ordinary if before[place].success]
 

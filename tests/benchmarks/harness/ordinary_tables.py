@@ -57,7 +57,7 @@ def _ordinary(content: Content, name: str) -> Table:
                 )
             )
     note = (
-        "Drives in which the policy alone does not collide by its own fault. Untouched: changed by less than 0.2 s of "
+        "Drives in which the policy alone does not collide by its own fault. Untouched: no lane change is held back, and changed by less than 0.2 s of "
         "full command. Time lost: mean and median over those that the policy alone brings to the goal; distance lost: "
         "over those that the time limit ends. Needless: dose in interventions of which fewer than one future in ten "
         "violates. Collisions by the ego's own fault, of all drives; new: where the policy alone has none. Cut short: drives "

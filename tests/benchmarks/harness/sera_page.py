@@ -15,6 +15,7 @@ from roadmend.core.markdown import table_text
 from roadmend.core.whole_file import write_texts
 from roadmend.reports.chart_style import INK, despine, new_figure
 from roadmend.reports.result_files import origin
+from roadmend.world.families import FAMILIES
 
 Content = Mapping[str, Any]
 TITLE = "Few-shot repair of driving policies"
@@ -50,11 +51,18 @@ def lead(content: Content) -> str:
     source = f"of a corpus's {sizes['split']} split" if seed is None else f"from searches with seed {seed}"
     return (
         f"Each of {sizes['seeds']} seeds halves an evaluation set of {sizes['evaluation']} scenarios ({sizes['hard']} "
-        f"of them violations {source}, the others ordinary). What fails in one half is "
+        f"of them violations {source}; {_others(sizes)}). What fails in one half is "
         f"analysed, and scenarios are taken from a bank of {sizes['bank']} that holds none of the set: at random, by "
         "the first recommendation, by the one after reflection. The policy learns from them and is measured on the "
         "other half, beside itself as it was. Means over the seeds with 95 % intervals by Student's t."
     )
+
+
+def _others(sizes: Content) -> str:
+    """What an evaluation set holds besides violations, in words."""
+    families = len(FAMILIES)
+    found, drawn = (families * sizes["plan"]["evaluation"][name] for name in ("successes", "ordinary"))
+    return f"{found} that went well in the same searches for another policy, and {drawn} drawn at random"
 
 
 def build_page(content: Content) -> str:

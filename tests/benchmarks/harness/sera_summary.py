@@ -181,7 +181,8 @@ def _forgetting_table(content: Content) -> Table:
             )
         )
     note = (
-        "Driving Score of the full selection less that of the base on ordinary scenarios, in points, over all seeds. "
+        "Driving Score of the full selection less that of the base on ordinary scenarios, in points, over all seeds: those "
+        "of the evaluation set that are no violations, drawn at random or found by searches to go well under another policy. "
         "Those that went well before can only lose, so both drive them again, twice, with other random numbers for SUMO's "
         "drivers (drawn anew: the Driving Score of the base there, and the change); these alter how much the others dawdle, "
         "and nothing else."

@@ -16,6 +16,7 @@ from roadmend.core.interfaces import Policy, Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.measures.answering import Answering
 from roadmend.policies.registry import make_policy
 from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.adreft.registry import make_tokenizer
@@ -93,7 +94,7 @@ def changes_of_case(case: EpisodeCase, recipe: Recipe, plan: RiskPlan) -> CaseRi
     """
     policy = make_policy(recipe.policy)
     # By its class, not by its name: so the code of the method is part of what these drives are kept by.
-    repairer = GuardedRepairer(AdreftRepair(AdreftParameters(model=plan.model, change_threshold=1.0)))
+    repairer = Answering(GuardedRepairer(AdreftRepair(AdreftParameters(model=plan.model, change_threshold=1.0))))
     found: list[tuple[TokenSet, bool]] = []
     for number, simulation in worlds_of(case, plan):
         numbers = random.Random(f"{plan.seed}:{case.name}:{number}")

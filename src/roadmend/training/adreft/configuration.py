@@ -189,7 +189,7 @@ class ReinforcementSection(Parameters):
     updates_per_step: float = Field(1.0, gt=0.0, le=100.0, description="updates for each new transition")
     warm_up: int = Field(500, ge=1, le=10_000_000, description="transitions before the first update")
     target_every: int = Field(500, ge=1, le=1_000_000, description="updates between two copies to the target network")
-    gamma: float = Field(0.99, ge=0.0, le=1.0, description="discount of a decision")
+    gamma: float = Field(0.99, ge=0.0, le=1.0, description="discount of a tick")
     steps: int = Field(1, ge=1, le=1000, description="rewards in a return before the target network's estimate")
     double: bool = Field(default=False, description="double DQN: the online network chooses what the target values")
     clip: float = Field(10.0, ge=0.0, le=1000.0, description="largest norm of the gradient; 0: not clipped")

@@ -16,6 +16,7 @@ from roadmend.core.repair import Proposal, Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.tick import INTERVAL, Tick
+from roadmend.measures.answering import Answering
 from roadmend.policies.registry import make_policy
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.configuration import ModelConfiguration
@@ -155,7 +156,9 @@ def explore(roll: Roll) -> Rolled:
     """
     model = AdreftModel(roll.configuration, roll.tensors, roll.threshold)
     method = ExploringRepair(model, roll.section, roll.epsilon, np.random.default_rng(roll.seed))
-    summary = run_episode(roll.case.scenario(), make_policy(roll.policy), GuardedRepairer(method), method.watch)
+    summary = run_episode(
+        roll.case.scenario(), make_policy(roll.policy), Answering(GuardedRepairer(method)), method.watch
+    )
     method.end(summary.outcome)
     total = sum(deed.reward for deed in method.deeds)
     transitions = link(method.deeds, roll.section.steps, roll.configuration.encoder.hidden)

@@ -86,7 +86,8 @@ class LearningStage(ABC):
             "model": model.model_dump(mode="json", exclude={"weighing"}),
             "practice": section.model_dump(mode="json"),
             "seed": run.seed,
-            "device": run.device,  # the bits depend on it
+            "device": run.device,  # the bits depend on it, and on how many share a sum
+            "threads": torch.get_num_threads(),
             "trials": decisions.digest,
             "start": None if start is None else digest_of_tensors(start),
         }

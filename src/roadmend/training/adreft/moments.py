@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from roadmend.core.fanout import Mapper
 from roadmend.core.interfaces import Repairer
 from roadmend.core.journal import Key, entry_key, file_of
+from roadmend.measures.answering import Answering
 from roadmend.measures.need import HORIZON, LATER
 from roadmend.policies.registry import make_policy
 from roadmend.repair.adreft.method import AdreftRepair
@@ -121,7 +122,7 @@ def moments_of_case(case: EpisodeCase, recipe: Recipe, plan: MomentPlan, guide: 
     repairers: dict[str, Repairer] = {}
     if guide is not None:
         # By its class, not by its name: so the code of the method is part of what moments are kept by.
-        repairers["guided"] = GuardedRepairer(AdreftRepair(model=AdreftModel.load(guide)))
+        repairers["guided"] = Answering(GuardedRepairer(AdreftRepair(model=AdreftModel.load(guide))))
     else:
         repairers["alone"] = HoldingRepairer()
         for number in range(1, plan.pulsed + 1):

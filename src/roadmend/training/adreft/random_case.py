@@ -44,12 +44,18 @@ class RandomCase:
 
 
 def random_cases(policy: str, number: int, *, validation: bool = False) -> list[RandomCase]:
-    """So many scenarios of each family, the same ones for a policy at every call; other policies get others.
+    """So many scenarios of each family, the same ones for a policy at every call; other policies mostly get others.
 
     Args:
         policy: for which.
         number: of each family.
         validation: those that are never practised on, by which a model is judged.
     """
-    first = FIRST_SEED + _BLOCK * (zlib.crc32(policy.encode()) % _BLOCKS) + (_VALIDATION if validation else 0)
-    return [RandomCase(family, first + index) for index in range(number) for family in FAMILIES]
+    seeds = practice_seeds(policy)[validation]
+    return [RandomCase(family, seeds[index]) for index in range(number) for family in FAMILIES]
+
+
+def practice_seeds(policy: str) -> tuple[range, range]:
+    """The seeds of all scenarios that a policy's models may have practised on, and been validated by."""
+    first = FIRST_SEED + _BLOCK * (zlib.crc32(policy.encode()) % _BLOCKS)
+    return range(first, first + _BLOCK), range(first + _VALIDATION, first + _VALIDATION + _BLOCK)

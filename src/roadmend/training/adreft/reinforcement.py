@@ -92,7 +92,8 @@ class ReinforcementStage:
             "model": model.model_dump(mode="json"),
             "reinforcement": section.model_dump(mode="json"),
             "seed": seed,
-            "device": run.device,  # the bits depend on it
+            "device": run.device,  # the bits depend on it, and on how many share a sum
+            "threads": torch.get_num_threads(),
             "policy": policy,
             "threshold": threshold,
             "networks": digest_of_tensors(self._tensors),

@@ -23,6 +23,7 @@ from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Key, entry_key, file_of
 from roadmend.core.outcome import EventKind
 from roadmend.core.tick import INTERVAL
+from roadmend.measures.answering import Answering
 from roadmend.measures.need import HORIZON, LATER
 from roadmend.policies.registry import make_policy
 from roadmend.repair.actions import ACTIONS
@@ -146,7 +147,8 @@ def rollouts_of_case(case: EpisodeCase, recipe: Recipe, plan: RolloutPlan, guide
         SimulationError: SUMO failed.
     """
     model = AdreftModel.load(guide)
-    judge, repairer = AdreftModel.load(guide), GuardedRepairer(AdreftRepair(model=model))
+    judge, guarded = AdreftModel.load(guide), GuardedRepairer(AdreftRepair(model=model))
+    repairer = Answering(guarded)
     policy, tokenizer = make_policy(recipe.policy), model.tokenizer()
     notes = _RolloutNotes(plan, model.configuration.interval * INTERVAL)
     numbers, last = plan.numbers(case.name), -_APART
@@ -162,7 +164,7 @@ def rollouts_of_case(case: EpisodeCase, recipe: Recipe, plan: RolloutPlan, guide
             if len(notes.time) < plan.moments and score > plan.score and tick.number - last >= _APART:
                 chosen = plan.tried(numbers, asked)
                 if chosen and (not notes.time or numbers.random() < plan.chance):
-                    notes.add(Moment(simulation, tick, decision, policy), tokens, score, chosen, repairer)
+                    notes.add(Moment(simulation, tick, decision, policy), tokens, score, chosen, guarded)
                     last = tick.number
             tick = simulation.step(repairer.step(tick.scene, decision).command)
     return notes.result(case.name, tick.final.kind.name, tokenizer.attributes)

@@ -92,7 +92,8 @@ class SupervisedStage:
             "model": model.model_dump(mode="json"),
             "supervised": section.model_dump(mode="json"),
             "seed": run.seed,
-            "device": run.device,  # the bits depend on it
+            "device": run.device,  # the bits depend on it, and on how many share a sum
+            "threads": torch.get_num_threads(),
             "training": training.digest,
             "validation": validation.digest,
         }
