@@ -96,6 +96,12 @@ def test_parameters_are_checked_and_no_objects_affair(theirs):
         policy_of(policies.Careful(), {"pace": 3.0})
 
 
+def test_parameters_that_are_none_are_refused():
+    for made in (policy_of, repairer_of):
+        with pytest.raises(InputError, match="parameters: is no dictionary of values by name, but int"):
+            made({policy_of: "modular", repairer_of: "rss"}[made], 3)
+
+
 def test_what_fails_on_the_way_is_blamed_on_it(theirs):
     policies, repairs = theirs
     moment = plain_moment()

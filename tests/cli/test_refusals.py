@@ -58,6 +58,14 @@ def test_options_that_nobody_would_obey_are_refused(scenario, complaint, options
     assert words in complaint("--scenario", scenario, *options)
 
 
+def test_a_network_whose_name_is_too_long_for_any_file_is_named(scenario, capfd):
+    path = changed(scenario, network={"kind": "file", "path": "n" * 300})
+    assert main(["evaluate", str(path), "--out", str(path.parent / "out")]) == 2
+    said = capfd.readouterr().err
+    assert "File name too long" in said
+    assert "Traceback" not in said
+
+
 def test_a_network_without_lanes_for_cars_names_its_file(scenario, complaint, tmp_path):
     network = tmp_path / "bare.net.xml"
     network.write_text('<net version="1.20"/>')

@@ -14,6 +14,7 @@ from roadmend import InputError, SimulationError, run, sample_scenario
 from roadmend.gym import DriveEnv, LearnedPolicy, RewardWeights
 from roadmend.world.obstacle import Obstacle
 from roadmend.world.scenario_file import save_scenario
+from roadmend.world.simulation import Simulation
 from tests.gym.push import Push
 
 PUSH = np.array([0.4], dtype=np.float32)
@@ -254,6 +255,17 @@ def test_options_of_a_reset(make, tmp_path):
     assert env.reset(options={"scenario": str(tmp_path / "s.yaml")})[1]["scenario"] == "S3-3"
     with pytest.raises(InputError, match="'scenaro' is unknown"):
         env.reset(options={"scenaro": 3})
+
+
+def test_where_sumo_fails_at_once_it_is_given_back(make, monkeypatch):
+    env = make()
+    with monkeypatch.context() as context:
+        context.setattr(Simulation, "first", lambda _: (_ for _ in ()).throw(SimulationError("SUMO failed")))
+        with pytest.raises(SimulationError):
+            env.reset(seed=1)
+    other = make()
+    other.reset(seed=1)
+    other.step(PUSH)
 
 
 def test_a_scenario_whose_ego_stands_in_something_is_refused_by_reset_and_gives_sumo_back(make):

@@ -55,6 +55,17 @@ def test_a_model_of_other_tokens_is_refused(tmp_path, part, name):
         make_policy("deep_sets", {"model": str(path)})
 
 
+@pytest.mark.parametrize("place", [[0, 86], [0, -1], [-1, 3], [5, 3]])
+def test_a_perceptron_of_places_that_no_scene_need_have_is_refused(tmp_path, place):
+    shipped = load_checkpoint(find_model("ego_mlp"))
+    header = json.loads(json.dumps(shipped.header))
+    header["configuration"]["encoder"]["places"][-1] = place
+    path = tmp_path / "other.safetensors"
+    save_checkpoint(path, shipped.tensors, header)
+    with pytest.raises(InputError, match="trained on other tokens"):
+        make_policy("ego_mlp", {"model": str(path)})
+
+
 def test_weights_that_are_not_finite_are_refused(tmp_path):
     shipped = load_checkpoint(find_model("ego_mlp"))
     tensors = {name: np.full_like(array, np.nan) for name, array in shipped.tensors.items()}

@@ -76,6 +76,15 @@ def test_an_endpoint_that_has_changed_its_model_is_refused(tmp_path, endpoint, e
     [
         ((401, {}, {"error": {"message": f"bad key {KEY}"}}), UnavailableError, r"401.*\[key\]"),
         ({"object": "list", "model": "m", "data": []}, AnswerError, "one vector for each of 1 texts"),
+        *(
+            ({"object": "list", "model": "m", "data": data}, AnswerError, "one vector for each of 1 texts")
+            for data in (["x"], [{"object": "embedding", "index": 0, "embedding": None}], [{"index": 0}])
+        ),
+        (
+            {"object": "list", "model": "m", "data": [{"object": "embedding", "index": 0, "embedding": ["x"]}]},
+            AnswerError,
+            "one vector for each of 1 texts",
+        ),
         (b"not JSON", AnswerError, "127.0.0.1"),
     ],
 )

@@ -15,6 +15,7 @@ from roadmend.world.scenario import (
     Ego,
     Environment,
     IntersectionNetwork,
+    OpenRoadNetwork,
     RunRightOfWay,
     Scenario,
     Trigger,
@@ -43,6 +44,8 @@ def drivers(monkeypatch):
     monkeypatch.setattr(libsumo.vehicle, "setSpeed", told)
     monkeypatch.setattr(libsumo.vehicle, "getDecel", lambda name: told.braking.get(name, 4.5))
     monkeypatch.setattr(libsumo.vehicle, "setDecel", told.braking.__setitem__)
+    monkeypatch.setattr(libsumo.vehicle, "getSpeedFactor", lambda _: 1.0)
+    monkeypatch.setattr(libsumo.vehicle, "setSpeedFactor", lambda *_: None)
     return told
 
 
@@ -119,6 +122,33 @@ def test_who_waits_may_brake_hard_and_only_then(drivers):
     courtesy.step(DRIVES, ("a",), others(AIMED))
     assert drivers.braking["a"] == 4.5
     assert not courtesy.waiting
+
+
+def test_who_was_in_a_manoeuvre_goes_on_with_it(drivers):
+    courtesy = Courtesy()
+    both = others(AIMED, (7.0, 0.3, math.pi, 2.0, 0.0))
+    courtesy.step(STANDS, ("a", "b"), both)
+    assert courtesy.resume("a", 6.0)
+    assert not courtesy.resume("c", 6.0)
+    courtesy.step(DRIVES, ("a", "b"), both, held={"a": 0.5})
+    assert drivers.orders == {"a": 0.5, "b": -1.0}
+    assert drivers.braking == {"a": 6.0, "b": 4.5}
+
+
+def test_in_sumo_who_has_waited_is_the_driver_that_it_was():
+    """Another one than the type's, as in traffic of a user's own."""
+    behind = Vehicle(id="behind", route=("forward",), position=92.0, speed=1.0)
+    ego = Ego(route=("forward",), position=100.0, speed=0.0)
+    scenario = Scenario(name="s", network=OpenRoadNetwork(length=600.0), ego=ego, actors=(behind,), time_limit=20.0)
+    with Simulation(scenario) as simulation:
+        simulation.first()
+        libsumo.vehicle.setSpeedFactor("behind", 1.25)
+        waited = False
+        for step in range(300):
+            simulation.step(Command(0.0, 1.0) if step < 150 else Command(0.6, 0.0))
+            waited = waited or "behind" in simulation._courtesy.waiting
+            assert libsumo.vehicle.getSpeedFactor("behind") == 1.25
+    assert waited
 
 
 def test_who_has_a_free_way_again_may_go_and_the_others_wait_on(drivers):

@@ -18,6 +18,7 @@ from roadmend.world.scenario import (
     Heedless,
     HighwayExitNetwork,
     IntersectionNetwork,
+    OpenRoadNetwork,
     RunRightOfWay,
     Scenario,
     Trigger,
@@ -222,6 +223,36 @@ def test_heedless_lasts_whatever_was_under_way_before(earlier):
     assert {mode for time, *_, mode in seen if time > 2.1} == {_SPEED_MODE_HEEDLESS}
     _, y = of_actor(seen, 1)
     assert (abs(y[-1] - y[0]) > 2.5) == isinstance(earlier, CutIn)
+
+
+def test_the_end_of_one_braking_does_not_end_another():
+    first = Brake(when=Trigger(time=1.0), speed=4.0, deceleration=6.0, hold=2.0)
+    second = Brake(when=Trigger(time=3.0), speed=2.0, deceleration=7.0, hold=4.0)
+    braking = []
+    scenario = highway(actor_in(2, first, second, ahead=120.0), ego_position=20.0, time_limit=16.0)
+    seen = film(scenario, Command(0.0, 1.0), lambda: braking.append(libsumo.vehicle.getDecel("actor")))
+    time, speed = of_actor(seen, 3)
+    assert speed[(time > 5.5) & (time < 8.0)] == pytest.approx(2.0, abs=0.1)
+    assert speed[-1] > 6.0
+    assert (braking[0], max(braking), braking[-1]) == (braking[-1], 7.0, braking[0])
+
+
+def test_who_has_waited_for_a_standing_ego_goes_on_braking_as_told():
+    brake = Brake(when=Trigger(time=0.1), speed=0.5, deceleration=6.0, hold=30.0)
+    actor = Vehicle(id="actor", route=("forward",), position=93.0, speed=1.5, manoeuvres=(brake,))
+    ego = Ego(route=("forward",), position=100.0, speed=0.0)
+    scenario = Scenario(
+        name="s", network=OpenRoadNetwork(length=600.0), ego=ego, actors=(actor,), time_limit=20.0, environment=FAR
+    )
+    waited, speeds = False, []
+    with Simulation(scenario) as simulation:
+        simulation.first()
+        for step in range(300):
+            simulation.step(Command(0.0, 1.0) if step < 120 else Command(0.6, 0.0))
+            waited = waited or "actor" in simulation._courtesy.waiting
+            speeds.append(libsumo.vehicle.getSpeed("actor"))
+    assert waited
+    assert max(speeds[150:]) == pytest.approx(0.5, abs=0.01)
 
 
 def test_an_actor_that_leaves_in_the_middle_of_its_manoeuvre_is_no_fault():

@@ -47,6 +47,15 @@ def road(*actors, **more):
     return Scenario(name="road", time_limit=20.0, network=network, ego=ego, actors=list(actors), environment=far)
 
 
+@pytest.mark.parametrize("bend", [4.0, 8.0, 12.0, -20.0])
+def test_the_middle_of_a_bend_lies_in_the_origin(bend):
+    network = OpenRoadNetwork(lanes=1, backward_lanes=1, bend=bend, radius=400.0, length=300.0)
+    forward = read_network(network_file(network)).edges["forward"].lanes[0].shape
+    backward = read_network(network_file(network)).edges["backward"].lanes[0].shape
+    ends = [0.5 * (forward[place] + backward[other]) for place, other in ((0, -1), (-1, 0))]
+    assert abs(math.hypot(*ends[0]) - math.hypot(*ends[1])) < 0.1
+
+
 @pytest.mark.parametrize("bend", [0.0, 60.0, -90.0])
 def test_a_road_turns_by_its_bend_and_has_its_lanes(bend):
     network = OpenRoadNetwork(lanes=2, backward_lanes=3, bearing=90.0, bend=bend, radius=80.0, length=300.0)

@@ -3,6 +3,7 @@
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.core.route import RightOfWay
 from roadmend.world.road_network import read_network
 from roadmend.world.route_builder import build_route
 from roadmend.world.scenario import Ego, NetworkFile, Scenario
@@ -86,6 +87,31 @@ def test_a_way_that_never_leaves_a_junction(network):
     around = CONNECTIONS.replace('from=":n_0" to="b"', 'from=":n_0" to="b" via=":n_0_0"')
     with pytest.raises(InputError, match=r"n\.net\.xml: the way from 'a' through its junction comes back to ':n_0_0'"):
         route_on(network(connections=around))
+
+
+def test_without_ways_through_its_junctions_a_network_has_its_right_of_way_all_the_same(network):
+    straight = '<connection from="a" to="b" fromLane="0" toLane="0" dir="s" state="m"/>'
+    (zone,) = route_on(network(connections=straight, crossing="55,50 55,60")).zones
+    assert (zone.begin, zone.end, zone.rule) == (50.0, 60.0, RightOfWay.YIELD)
+
+
+@pytest.mark.parametrize("inside", [INSIDE, "50,0 50.2,0"])
+def test_a_light_need_not_stand_at_a_junction(network, inside):
+    lit = CONNECTIONS.replace('via=":n_0_0"', 'via=":n_0_0" tl="n" linkIndex="0"')
+    end = float(inside.split()[1].split(",")[0])
+    route = route_on(network(inside=inside, out=f"{end},0 110,0", crossing="55,50 55,60", connections=lit))
+    (zone,) = route.zones
+    assert (zone.begin, zone.rule) == (50.0, RightOfWay.SIGNAL)
+    assert zone.end == max(end, 50.5)
+
+
+def test_a_crossing_that_is_passed_twice_is_two_zones(network):
+    """Out along the road, round a loop and back over the same crossing."""
+    there, loop, back = "0,0 50,0", "50,0 90,0 90,40 0,40 0,0.5", "0,0.5 110,0.5"
+    zones = [zone for zone in route_on(network(there, loop, back, crossing="20,-5 20,5")).zones if zone.rule == 4]
+    assert [zone.end - zone.begin for zone in zones] == pytest.approx([4.7, 4.7])
+    assert zones[0].end < 25.0
+    assert zones[1].begin > 200.0
 
 
 def test_a_route_without_a_length(network):

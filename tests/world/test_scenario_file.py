@@ -100,6 +100,37 @@ def test_a_truth_value_is_no_number(tmp_path, content):
     assert "field ego: speed: true is no number" in text
 
 
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [
+        ([[0.0, 1.0], [float("nan"), 2.0]], "points[1]"),
+        ([[0.0, 1.0], [5.0, True]], "points[1]"),
+        ([[0.0, 1.0], [5.0, 2e6]], "points[1]"),
+        ([[0.0, 1.0], [5.0, 2.0], [5, 2]], "points[1] and points[2] are one place"),
+    ],
+)
+def test_a_line_to_follow_has_points_that_lead_on(tmp_path, content, points, said):
+    follow = {"action": "follow", "when": {"time": 1.0}, "speed": 3.0, "points": points}
+    content["actors"][0]["manoeuvres"] = [follow]
+    assert said in fault_of(tmp_path / "s.yaml", content)
+    follow["points"] = [[0, 1], [5.0, 2.0]]
+    (tmp_path / "s.yaml").write_text(yaml.safe_dump(content))
+    assert load_scenario(tmp_path / "s.yaml").actors[0].manoeuvres[0].points == [(0.0, 1.0), (5.0, 2.0)]
+
+
+@pytest.mark.parametrize("bearings", [(90.0, 90.0), (0.0, 360.0), (-90.0, 270.2)])
+def test_two_arms_do_not_lie_one_upon_the_other(tmp_path, content, bearings):
+    for arm, bearing in zip(content["network"]["arms"], bearings, strict=False):
+        arm["bearing"] = bearing
+    assert "lie one upon the other; give them other bearings" in fault_of(tmp_path / "s.yaml", content)
+
+
+@pytest.mark.parametrize("kind", ["file", "sumocfg"])
+def test_a_path_is_a_name_that_a_file_may_have(tmp_path, content, kind):
+    content["network"] = {"kind": kind, "path": "a\0b"}
+    assert "path" in fault_of(tmp_path / "s.yaml", content)
+
+
 def test_not_a_number_is_no_number(tmp_path, content):
     content["time_limit"] = float("nan")
     assert "time_limit" in fault_of(tmp_path / "s.yaml", content)

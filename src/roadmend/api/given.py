@@ -32,6 +32,7 @@ def policy_of(given: PolicyLike, parameters: Settings | None = None) -> Policy:
     Raises:
         InputError: there is none, it lacks something, cannot answer a plain scene, or a parameter is unusable.
     """
+    parameters = settings_of("parameters", parameters)
     if isinstance(given, str):
         return make_policy(given, parameters)
     name = title_of(given)
@@ -67,7 +68,7 @@ def method_of(given: RepairLike, parameters: Settings | None = None, seed: int =
     Raises:
         InputError: there is none, it lacks something, cannot answer a plain scene, or a parameter or the seed is unusable.
     """
-    seed = whole_number("seed", seed)
+    seed, parameters = whole_number("seed", seed), settings_of("parameters", parameters)
     if isinstance(given, str):
         return make_method(given, parameters, seed)
     name = title_of(given)

@@ -19,6 +19,7 @@ from roadmend.core.extras import extra_missing
 from roadmend.core.interrupt import InterruptedWorkError
 
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+_NO_PLACE = {errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.ELOOP, errno.ENOTDIR, errno.EISDIR, errno.EROFS}
 _BAG: Table = {
     "info": ("roadmend.cli.bag", "bag_info", "Topics, rates, gaps, outcome, interventions; is it complete?"),
     "recover": ("roadmend.cli.bag", "bag_recover", "What a cut or damaged bag still holds, as a new bag."),
@@ -184,6 +185,8 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
     except click.ClickException as error:
         return _complain(error.format_message(), 1)
     except OSError as error:
+        if error.errno in _NO_PLACE and error.filename is not None:
+            return _complain(f"{error.filename}: {error.strerror}; give another place", 2)
         if error.errno not in _NO_ROOM or error.filename is not None:
             raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left of the output has no place to go

@@ -67,6 +67,8 @@ class Registry(Generic[Entry]):
         Raises:
             InputError: there is none, or it cannot be imported or is nothing of this kind.
         """
+        if not isinstance(given, str):
+            raise InputError(f"{self.noun} {given!r}", "is no name", f"choose one of {', '.join(self.names)}")
         if given in self.own:
             return Found(given, given, self.own[given], OWN)
         of_model = self.of_model(given)

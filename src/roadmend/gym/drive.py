@@ -160,7 +160,11 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         self._builder = ResultBuilder(simulation.scenario.name, _LEARNER, self.method)
         self._observer.reset(self._route)
         self._action = 0.0
-        self._tick = tick = simulation.first()
+        try:
+            self._tick = tick = simulation.first()
+        except SimulationError:
+            self.close()
+            raise
         if tick.final is not None:  # Gymnasium knows no episode without a step
             self.close()
             what = f"is over before a step: {tick.final.text}"

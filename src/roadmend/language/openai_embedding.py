@@ -51,8 +51,12 @@ class OpenAIEmbedding:
     def _encode(self, texts: Sequence[str]) -> list[Any]:
         with clear_errors(self.settings, "no embeddings"):
             answer = self.client.embeddings.create(model=self.model, input=[*texts], encoding_format="float")
-        found = sorted(getattr(answer, "data", None) or [], key=lambda each: each.index)
-        vectors = [each.embedding for each in found]
-        if [each.index for each in found] != [*range(len(texts))] or len({len(each) for each in vectors}) != 1:
+        try:
+            found = sorted(getattr(answer, "data", None) or [], key=lambda each: each.index)
+            vectors = np.array([each.embedding for each in found], dtype=np.float32)
+            is_whole = vectors.ndim == 2 and [each.index for each in found] == [*range(len(texts))]
+        except (AttributeError, TypeError, ValueError):  # of no such shape at all
+            is_whole = False
+        if not is_whole:
             raise AnswerError(f"{self.settings.place} did not send one vector for each of {len(texts)} texts")
-        return vectors
+        return [*vectors]

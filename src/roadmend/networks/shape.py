@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from roadmend.core.parameters import Parameters
 
 Width = Annotated[int, Field(ge=1, le=4096)]
+Place = Annotated[int, Field(ge=0, le=4096)]
 
 
 def _share_evenly(hidden: int, heads: int) -> None:
@@ -65,7 +66,14 @@ class ExcerptShape(Parameters):
     """No network: some columns of some of the first tokens, one after another. Everything else stays unseen."""
 
     attributes: int = Field(ge=1, le=256, description="c, attributes of a token")
-    places: tuple[tuple[int, int], ...] = Field(min_length=1, description="token and column of each value")
+    places: tuple[tuple[Place, Place], ...] = Field(min_length=1, description="token and column of each value")
+
+    @model_validator(mode="after")
+    def _are_there(self) -> "ExcerptShape":
+        column = max(column for _, column in self.places)
+        if column >= self.attributes:
+            raise ValueError(f"places: there is no column {column} of {self.attributes}, counted from 0")
+        return self
 
     @property
     def state(self) -> int:

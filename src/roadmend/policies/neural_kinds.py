@@ -15,7 +15,7 @@ from roadmend.networks.checkpoint import Checkpoint, Tensors
 from roadmend.networks.compiled_encoder import CompiledEncoder
 from roadmend.networks.compiled_set import CompiledExcerpt, CompiledSetEncoder
 from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
-from roadmend.policies.neural_tokens import COLUMNS
+from roadmend.policies.neural_tokens import COLUMNS, PLACES
 
 AnyShape = EncoderShape | SetShape | ExcerptShape
 
@@ -64,6 +64,7 @@ def shapes_of(checkpoint: Checkpoint, path: Path) -> tuple[AnyShape, HeadShape]:
         head = HeadShape.model_validate_json(json.dumps(configuration["head"]))
     except (KeyError, TypeError, ValidationError):
         raise foreign from None
-    if encoder.attributes != COLUMNS or head.outputs != kind.outputs or head.inputs != encoder.state:
+    is_beyond = isinstance(encoder, ExcerptShape) and max(token for token, _ in encoder.places) > len(PLACES)
+    if is_beyond or encoder.attributes != COLUMNS or head.outputs != kind.outputs or head.inputs != encoder.state:
         raise foreign
     return encoder, head

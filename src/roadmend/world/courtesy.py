@@ -5,7 +5,8 @@ can fall between the two, and they drive through it at walking pace. People do n
 """
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
 
 import libsumo
 import numpy as np
@@ -66,6 +67,13 @@ def _who_waits(ego: EgoState, others: Objects) -> NDArray[np.intp]:
     return found[:count]
 
 
+def set_deceleration(vehicle: str, deceleration: float) -> None:
+    """How hard a vehicle may brake [m/s2]; SUMO puts the type's speed factor back with it, which is not meant."""
+    factor = libsumo.vehicle.getSpeedFactor(vehicle)
+    libsumo.vehicle.setDecel(vehicle, deceleration)
+    libsumo.vehicle.setSpeedFactor(vehicle, factor)
+
+
 class Courtesy:
     """Makes drivers wait for a standing ego, and lets them go again."""
 
@@ -77,25 +85,47 @@ class Courtesy:
         """Names of those who wait."""
         return self._waiting.keys()
 
-    def step(self, ego: EgoState, names: tuple[str, ...], around: ObjectList, heedless: Collection[str] = ()) -> None:
-        """Look at everybody once; ``names`` are SUMO's, in the order of the list. Who is ``heedless`` brakes for none."""
+    def resume(self, name: str, deceleration: float) -> bool:
+        """Whether a driver waits; once let go, that one brakes like this again [m/s2]."""
+        if name not in self._waiting:
+            return False
+        self._waiting[name] = deceleration
+        return True
+
+    def step(
+        self,
+        ego: EgoState,
+        names: tuple[str, ...],
+        around: ObjectList,
+        heedless: Collection[str] = (),
+        held: Mapping[str, float] = MappingProxyType({}),
+    ) -> None:
+        """Look at everybody once.
+
+        Args:
+            ego: that stands or not.
+            names: SUMO's, in the order of the list.
+            around: everybody near.
+            heedless: who brakes for nobody.
+            held: [m/s] what a manoeuvre has somebody drive, who does so again once let go.
+        """
         if ego.speed >= STANDING:
             if self._waiting:
-                self._release([*self._waiting], names)
+                self._release([*self._waiting], names, held)
             return
         indices = _who_waits(ego, around.table)
         wait = {names[index] for index in indices if names[index] not in heedless}
         for name in sorted(wait - self._waiting.keys()):
             usual = self._waiting[name] = libsumo.vehicle.getDecel(name)
-            libsumo.vehicle.setDecel(name, max(usual, _BRAKING))
+            set_deceleration(name, max(usual, _BRAKING))
             libsumo.vehicle.setSpeed(name, 0.0)
         if len(wait) < len(self._waiting):
-            self._release(sorted(self._waiting.keys() - wait), names)
+            self._release(sorted(self._waiting.keys() - wait), names, held)
 
-    def _release(self, drivers: list[str], there: tuple[str, ...]) -> None:
+    def _release(self, drivers: list[str], there: tuple[str, ...], held: Mapping[str, float]) -> None:
         """Let drivers go on, and forget those who have left."""
         for name in drivers:
             usual = self._waiting.pop(name)
             if name in there:
-                libsumo.vehicle.setDecel(name, usual)
-                libsumo.vehicle.setSpeed(name, -1.0)
+                set_deceleration(name, usual)
+                libsumo.vehicle.setSpeed(name, held.get(name, -1.0))

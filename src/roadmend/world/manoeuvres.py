@@ -1,12 +1,13 @@
 """Scripted misbehaviour of single actors, on top of what SUMO's drivers do by themselves."""
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 import libsumo
 
 from roadmend.core.scene import ObjectList
+from roadmend.world.courtesy import Courtesy, set_deceleration
 from roadmend.world.drifting import Drifter, Follower
 from roadmend.world.ego import GRAVITY
 from roadmend.world.participants import Observation
@@ -37,9 +38,14 @@ class _Running:
 
 
 class ManoeuvreScript:
-    """Starts and ends the manoeuvres of a scenario's vehicles."""
+    """Starts and ends the manoeuvres of a scenario's vehicles.
 
-    def __init__(self, scenario: Scenario) -> None:
+    Who waits for the ego out of ``courtesy`` goes on where the manoeuvre is by then.
+    """
+
+    def __init__(self, scenario: Scenario, courtesy: Courtesy | None = None) -> None:
+        self._courtesy = courtesy or Courtesy()
+        self._held: dict[str, float] = {}
         self._waiting: list[tuple[str, Manoeuvre]] = [
             (actor.id, manoeuvre)
             for actor in scenario.actors
@@ -57,6 +63,11 @@ class ManoeuvreScript:
     def heedless(self) -> Collection[str]:
         """Names of those who have stopped to look at others."""
         return self._heedless
+
+    @property
+    def held(self) -> Mapping[str, float]:
+        """Speeds [m/s] that vehicles hold at the end of their braking."""
+        return self._held
 
     @property
     def steered(self) -> Iterator[SteeredVehicle]:
@@ -84,6 +95,14 @@ class ManoeuvreScript:
                 if isinstance(manoeuvre, Heedless | Drift | Follow):
                     self._begin_heedless(time, vehicle, manoeuvre)
                     continue
+                if isinstance(manoeuvre, Brake):  # of two, the end of the first would undo the second
+                    self._finish(
+                        [
+                            each
+                            for each in self._running
+                            if each.vehicle == vehicle and isinstance(each.manoeuvre, Brake)
+                        ]
+                    )
                 deceleration = libsumo.vehicle.getDecel(vehicle)
                 until = time + _start(vehicle, manoeuvre, self._grip)
                 slow_at = until - manoeuvre.hold if isinstance(manoeuvre, Brake) else math.inf
@@ -97,10 +116,9 @@ class ManoeuvreScript:
         goes_on: tuple[type, ...] = (
             (CutIn,) if isinstance(manoeuvre, Heedless) else ()
         )  # sideways, beside a speed that is held
-        ending = [each for each in self._running if each.vehicle == vehicle and not isinstance(each.manoeuvre, goes_on)]
-        self._running = [each for each in self._running if each not in ending]
-        for each in ending:
-            _finish(each)
+        self._finish(
+            [each for each in self._running if each.vehicle == vehicle and not isinstance(each.manoeuvre, goes_on)]
+        )
         self._heedless.add(vehicle)
         if isinstance(manoeuvre, Drift | Follow):
             before = self._drifting.get(vehicle)
@@ -136,26 +154,35 @@ class ManoeuvreScript:
                 continue
             if time < running.until:
                 if time >= running.slow_at and isinstance(running.manoeuvre, Brake):
-                    slow = min(running.manoeuvre.speed, libsumo.vehicle.getSpeed(running.vehicle))
-                    libsumo.vehicle.setSpeed(running.vehicle, slow)
+                    if running.vehicle not in self._courtesy.waiting:
+                        slow = min(running.manoeuvre.speed, libsumo.vehicle.getSpeed(running.vehicle))
+                        libsumo.vehicle.setSpeed(running.vehicle, slow)
+                    self._held[running.vehicle] = running.manoeuvre.speed
                     running.slow_at = math.inf
                 still.append(running)
                 continue
-            _finish(running)
+            self._let_go(running)
         self._running = still
 
+    def _finish(self, ending: list[_Running]) -> None:
+        self._running = [each for each in self._running if each not in ending]
+        for each in ending:
+            self._let_go(each)
 
-def _finish(running: _Running) -> None:
-    """Let a vehicle drive on as before its manoeuvre."""
-    if isinstance(running.manoeuvre, Brake):
-        libsumo.vehicle.setSpeed(running.vehicle, -1.0)
-        _set_deceleration(running.vehicle, running.deceleration)
-    elif isinstance(running.manoeuvre, CutIn):
-        libsumo.vehicle.setLaneChangeMode(running.vehicle, _LANE_CHANGE_NORMAL)
-    else:
-        libsumo.vehicle.setSpeedMode(running.vehicle, _SPEED_MODE_NORMAL)
-        factor = libsumo.vehicle.getSpeedFactor(running.vehicle) / running.manoeuvre.haste
-        libsumo.vehicle.setSpeedFactor(running.vehicle, factor)
+    def _let_go(self, running: _Running) -> None:
+        """Let a vehicle drive on as before its manoeuvre; one that has run somebody's right of way stays as lively."""
+        vehicle, manoeuvre = running.vehicle, running.manoeuvre
+        if isinstance(manoeuvre, Brake):
+            self._held.pop(vehicle, None)
+            if self._courtesy.resume(vehicle, running.deceleration):
+                return
+            libsumo.vehicle.setSpeed(vehicle, -1.0)
+            set_deceleration(vehicle, running.deceleration)
+        elif isinstance(manoeuvre, CutIn):
+            libsumo.vehicle.setLaneChangeMode(vehicle, _LANE_CHANGE_NORMAL)
+        else:
+            libsumo.vehicle.setSpeedMode(vehicle, _SPEED_MODE_NORMAL)
+            libsumo.vehicle.setSpeedFactor(vehicle, libsumo.vehicle.getSpeedFactor(vehicle) / manoeuvre.haste)
 
 
 def _sideways(vehicle: str, manoeuvre: CutIn) -> int:
@@ -169,19 +196,12 @@ def _sideways(vehicle: str, manoeuvre: CutIn) -> int:
     return 0 if abs(offset) < _SAME_LANE else 1 if offset > 0.0 else -1
 
 
-def _set_deceleration(vehicle: str, deceleration: float) -> None:
-    """How hard a vehicle may brake [m/s2]; SUMO puts the type's speed factor back with it, which is not meant."""
-    factor = libsumo.vehicle.getSpeedFactor(vehicle)
-    libsumo.vehicle.setDecel(vehicle, deceleration)
-    libsumo.vehicle.setSpeedFactor(vehicle, factor)
-
-
 def _start(vehicle: str, manoeuvre: _Passing, grip: float) -> float:
     """Begin a manoeuvre on a road that transmits ``grip`` [m/s2]; returns how long it lasts [s]."""
     if isinstance(manoeuvre, Brake):
         speed = libsumo.vehicle.getSpeed(vehicle)
         deceleration = min(manoeuvre.deceleration, grip)
-        _set_deceleration(vehicle, max(deceleration, libsumo.vehicle.getDecel(vehicle)))
+        set_deceleration(vehicle, max(deceleration, libsumo.vehicle.getDecel(vehicle)))
         duration = max(0.1, (speed - manoeuvre.speed) / deceleration)
         libsumo.vehicle.slowDown(vehicle, min(speed, manoeuvre.speed), duration)
         return float(duration + manoeuvre.hold)

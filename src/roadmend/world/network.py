@@ -184,7 +184,9 @@ def _bent_line(spec: OpenRoadNetwork) -> list[tuple[float, float]]:
         points.append((points[-1][0] + chord * math.cos(heading), points[-1][1] + chord * math.sin(heading)))
         heading += 0.5 * bend / steps
     points.append((points[-1][0] + half * math.cos(heading), points[-1][1] + half * math.sin(heading)))
-    x, y = points[len(points) // 2] if steps else points[1]
+    # The bend's middle is a point of it, or lies between two.
+    one, other = (points[1 + steps // 2], points[1 + (steps + 1) // 2]) if steps else (points[1], points[1])
+    x, y = 0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])
     return [(px - x, py - y) for px, py in points]
 
 

@@ -21,6 +21,8 @@ _CHANGE_LENGTH_MIN = 20.0  # [m]
 _END_MARGIN = (
     4.0  # [m] from the ego's front at the goal to the road's end, where SUMO takes it out: a tick at top speed
 )
+_SHORT = 0.5  # [m] what is shorter is no stretch of the route
+_SAME_PASSAGE = 0.5  # [m] between two stretches within a crossing that are one way through it
 _CROSSING_MARGIN = 1.5  # [m] to keep free before a pedestrian crossing
 _YIELDING = frozenset("m=Zg")
 _STOPPING = frozenset("sw")
@@ -259,8 +261,11 @@ def _trace(
 
     for place, lane_number in enumerate(chain.lanes):
         edge = chain.first + place
+        lane = edges[edge].lanes[lane_number]
         begins[edge] = length
-        append(edges[edge].lanes[lane_number])
+        if pending and not pending[0][1].via:  # a network without ways through its junctions: straight across
+            begins[edge] += float(np.hypot(*(lane.shape[0] - points[-1])))
+        append(lane)
         for begin, connection in pending:
             zones += _junction_zones(network, connection, index, begin, begins[edge], signals)
         pending.clear()
@@ -288,9 +293,10 @@ def _trace(
 def _junction_zones(
     network: RoadNetwork, connection: Connection, stage: int, begin: float, end: float, signals: list[SignalLink]
 ) -> list[Zone]:
-    if end - begin < 0.5:
+    if end - begin < _SHORT and not connection.traffic_light:
         return []
     if connection.traffic_light:
+        end = max(end, begin + _SHORT)  # a light need not stand at a junction
         link = SignalLink(connection.traffic_light, connection.link_index)
         if link not in signals:
             signals.append(link)
@@ -314,11 +320,31 @@ def _crossing_zones(network: RoadNetwork, stage: Stage, index: int) -> list[Zone
         for lane in edge.lanes:
             area = shapely.LineString(lane.shape).buffer(0.5 * lane.width, cap_style="flat")
             shared = line.intersection(area)
-            if shared.is_empty or shared.length < 0.5:
+            if shared.is_empty or shared.length < _SHORT:
                 continue
-            ends = [line.project(shapely.Point(point)) for point in shapely.get_coordinates(shared)]
-            zones.append(Zone(index, max(0.0, min(ends) - _CROSSING_MARGIN), max(ends), RightOfWay.CROSSING))
+            passages = _passages(stage, area)
+            if len(passages) < 2:
+                ends = [line.project(shapely.Point(point)) for point in shapely.get_coordinates(shared)]
+                passages = [(min(ends), max(ends))]
+            for begin, end in passages:
+                zones.append(Zone(index, max(0.0, begin - _CROSSING_MARGIN), end, RightOfWay.CROSSING))
     return zones
+
+
+def _passages(stage: Stage, area: shapely.Polygon) -> list[tuple[float, float]]:
+    """Arc lengths [m] between which a line is in an area, once for each time that it comes through."""
+    points = np.column_stack([stage.x, stage.y])
+    found: list[tuple[float, float]] = []
+    segments = shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1))
+    for place, piece in enumerate(shapely.intersection(segments, area)):
+        if piece.is_empty:
+            continue
+        along = stage.s[place] + np.hypot(*(shapely.get_coordinates(piece) - points[place]).T)
+        begin, end = float(along.min()), float(along.max())
+        if found and begin - found[-1][1] < _SAME_PASSAGE:
+            begin = found.pop()[0]
+        found.append((begin, end))
+    return [(begin, end) for begin, end in found if end - begin >= _SHORT]
 
 
 def _window(edges: list[Edge], chain: _Chain, following: _Chain, begins: dict[int, float], changes_left: int) -> Window:

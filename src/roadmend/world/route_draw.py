@@ -158,7 +158,7 @@ def _stretch(
         lanes = network.edges[name].car_lanes
         length = min(lane.length for lane in lanes)
         latest = length - _LATEST_GOAL
-        time += length / (_PACE * lanes[0].speed_limit)
+        time += length / (_PACE * lanes[0].speed_limit) if lanes[0].speed_limit > 0.0 else math.inf
         if (driven + length >= limits.length or time >= limits.time) and latest > _ROOM:
             goal = round(min(latest, max(limits.length - driven, _ROOM)), 2)
             return route[: place + 1], goal, driven + goal

@@ -1,6 +1,8 @@
 """The scenario model: everything that decides how an episode runs, readable and writable as YAML."""
 
 import hashlib
+import itertools
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -9,11 +11,15 @@ from roadmend.world.obstacle import Obstacle
 from roadmend.world.scenario_model import Identifier, ScenarioModel
 
 FORMAT: Literal["roadmend-scenario/1"] = "roadmend-scenario/1"
+_BEARINGS = 1.0  # [deg] between two arms at least
+_APART = 1e-3  # [m] between two points that follow each other
+FILE_NAME = r"^[^\x00]+$"
 CENTRE = "centre"  # the junction at which the arms of an intersection meet
 
 Metres = Annotated[float, Field(ge=0.0, le=100_000.0, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(ge=0.0, le=86_400.0, allow_inf_nan=False)]
 Speed = Annotated[float, Field(ge=0.0, le=70.0, allow_inf_nan=False, description="[m/s]")]
+Coordinate = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False, strict=True, description="[m]")]
 EdgeList = Annotated[list[str], Field(min_length=1, description="road network edges in driving order")]
 
 VehicleKind = Literal[
@@ -81,6 +87,10 @@ class IntersectionNetwork(ScenarioModel):
             if arm.name in seen:
                 raise ValueError(f"arm {arm.name!r} has a name that is taken, by another arm or by the junction itself")
             seen.add(arm.name)
+        bearings = sorted((arm.bearing % 360.0, arm.name) for arm in self.arms)
+        for (before, one), (after, other) in itertools.pairwise([*bearings, (bearings[0][0] + 360.0, bearings[0][1])]):
+            if after - before < _BEARINGS:
+                raise ValueError(f"arms {one!r} and {other!r} lie one upon the other; give them other bearings")
         return self
 
 
@@ -136,14 +146,14 @@ class NetworkFile(ScenarioModel):
     """Any SUMO network."""
 
     kind: Literal["file"] = "file"
-    path: str = Field(description="SUMO .net.xml file; relative paths start at the scenario file")
+    path: str = Field(pattern=FILE_NAME, description="SUMO .net.xml file; relative paths start at the scenario file")
 
 
 class SumoConfiguration(ScenarioModel):
     """A whole SUMO configuration with its own network and traffic; roadmend adds the ego."""
 
     kind: Literal["sumocfg"] = "sumocfg"
-    path: str = Field(description="SUMO .sumocfg file; relative paths start at the scenario file")
+    path: str = Field(pattern=FILE_NAME, description="SUMO .sumocfg file; relative paths start at the scenario file")
     warm_up: Seconds = Field(default=600.0, description="[s] of traffic before the ego enters")
     draw: bool = Field(
         default=False,
@@ -214,7 +224,10 @@ class CutIn(ScenarioModel):
 
 
 class RunRightOfWay(ScenarioModel):
-    """Drive on at junctions, red lights too, as if nobody else were there."""
+    """Drive on at junctions, red lights too, as if nobody else were there.
+
+    The driver stays as lively as in haste: accelerates by 4 m/s2 or more from then on.
+    """
 
     action: Literal["run"] = "run"
     when: Trigger
@@ -247,9 +260,18 @@ class Follow(ScenarioModel):
 
     action: Literal["follow"] = "follow"
     when: Trigger
-    points: list[tuple[float, float]] = Field(min_length=2, max_length=500, description="[m] in the map frame")
+    points: list[tuple[Coordinate, Coordinate]] = Field(
+        min_length=2, max_length=500, description="[m] in the map frame, none where the one before it is"
+    )
     speed: Speed = Field(description="[m/s] to go at")
     backwards: bool = Field(default=False, exclude_if=_is_false, description="the rear goes first")
+
+    @model_validator(mode="after")
+    def _comes_on(self) -> "Follow":
+        for place, (before, after) in enumerate(itertools.pairwise(self.points)):
+            if math.dist(before, after) < _APART:
+                raise ValueError(f"points[{place}] and points[{place + 1}] are one place; leave one of them out")
+        return self
 
 
 Manoeuvre = Annotated[Brake | CutIn | RunRightOfWay | Heedless | Drift | Follow, Field(discriminator="action")]

@@ -111,7 +111,7 @@ class Simulation:
         )
         self._courtesy = Courtesy()
         self._stand_off = StandOff(INTERVAL, self._impacts.standing)
-        self._script = ManoeuvreScript(scenario)
+        self._script = ManoeuvreScript(scenario, self._courtesy)
         self._dynamics = LongitudinalDynamics(VehicleParameters(), environment.effective_friction, scenario.ego.speed)
         self._follower = RouteFollower(built.route, built.start_position)
         self._tick = 0
@@ -217,7 +217,8 @@ class Simulation:
             scenario.ego.width,
         )
         seen = self._seen = self._participants.observe(ego)
-        self._courtesy.step(ego, seen.names, seen.around, {*self._script.heedless, *self._impacts.standing})
+        heedless = {*self._script.heedless, *self._impacts.standing}
+        self._courtesy.step(ego, seen.names, seen.around, heedless, self._script.held)
         names = self._hit(seen, ego.speed) if seen.nearest <= 0.0 else ()
         if names:
             blame = find_blame(ego, seen.around, seen.names.index(names[0]), changing=follower.changing)

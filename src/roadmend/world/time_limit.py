@@ -2,6 +2,7 @@
 
 import math
 
+from roadmend.core.errors import InputError
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
 from roadmend.world.route_builder import build_route
@@ -23,6 +24,11 @@ def time_for_route(scenario: Scenario) -> float:
     network = read_network(network_file(scenario.network))
     built = build_route(network, scenario)
     lanes = [network.edges[name].car_lanes[0] for name in scenario.ego.route]
+    for lane in lanes:
+        if lane.speed_limit <= 0.0:
+            raise InputError(
+                "ego.route", f"nobody may drive on {lane.id}, whose speed limit is 0", "choose another way"
+            )
     driving = sum(lane.length / (_PACE * lane.speed_limit) for lane in lanes)
     light = driving + _AT_LIGHTS * len(built.signals)
     return _ROUNDED * math.ceil((_START + _PATIENCE * light) / _ROUNDED)

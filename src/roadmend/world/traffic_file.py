@@ -99,6 +99,10 @@ def _add_pedestrian(root: ET.Element, network: RoadNetwork, person: Pedestrian, 
                 f"edge {name!r} has no sidewalk",
                 "set network.crossings: true or choose another edge",
             )
+    if person.position > network.edges[person.route[0]].lanes[0].length:
+        raise InputError(
+            f"{where}.position", f"{person.position:g} m is past the end of {person.route[0]}", "choose a smaller one"
+        )
     name = f"pedestrian_{person.id}"
     ET.SubElement(root, "vType", {"id": name} | pedestrian_type(person.driver, person.speed))
     element = ET.SubElement(
