@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from roadmend.core.episode_result import peaks
@@ -6,7 +8,9 @@ from roadmend.measures.repair import (
     PairedCase,
     advantage,
     advantage_of,
+    amount_intervals,
     delta_e_interval,
+    share_interval,
     share_of_bound,
     summarise,
 )
@@ -90,6 +94,22 @@ def test_cases_of_one_search_count_as_kin():
     ]
     assert [lead["delta_e"] for lead in leads] == [25.0, 25.0]
     assert leads[0]["intervals"]["delta_e"][0] < leads[1]["intervals"]["delta_e"][0]
+
+
+def test_so_they_do_for_shares_and_doses():
+    kin = [f"S1-modular-none-random-{place // 3 % 4}-{place:05d}" for place in range(12)]
+    strangers = [f"S{1 + place % 5}-{12_345 + place}" for place in range(12)]
+    widths = {}
+    for names in (kin, strangers):
+        low, high = share_interval([(name, letter == "G") for name, letter in zip(names, "GGGCCCGGGCCC", strict=True)])
+        cases = named("GGGCCCGGGCCC", names, [True] * 12)
+        cases = [replace(case, dose=float(case.reached_goal)) for case in cases]
+        amounts = amount_intervals(cases, [(20.0 * case.dose, 30 * case.reached_goal) for case in cases])
+        widths[names[0]] = [
+            high - low,
+            *(amounts[name][1] - amounts[name][0] for name in ("dose", "intervened_frames")),
+        ]
+    assert all(one > 1.2 * other for one, other in zip(widths[kin[0]], widths[strangers[0]], strict=True))
 
 
 def test_of_one_search_alone_nothing_can_be_told_of_others():

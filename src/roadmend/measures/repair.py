@@ -118,22 +118,38 @@ def delta_e(fix: Value, deg: Value) -> Value:
 def summarise(results: Sequence[CaseResult]) -> Figures:
     """The figures with their 95 % intervals in ``intervals``.
 
-    Wilson's for shares, ``delta_e_interval`` for delta_e, the bootstrap over cases, drawn within violations and successes,
-    for the rest; that is None where there is but one case of each.
+    ``share_interval`` for shares, ``delta_e_interval`` for delta_e, the bootstrap over searches, drawn within violations
+    and successes, for the rest; that is None where all violations, and all successes, are of one search.
     """
     split = Split.of(results)
     violations, successes = split.violations, split.successes
     figures = figures_of(results)
     figures["intervals"] = {
-        "fix": _share_interval(split.fixed, len(violations)),
-        "deg": _share_interval(split.degraded, len(successes)),
+        "fix": share_interval([(each.case, each.episode.reached_goal) for each in violations]),
+        "deg": share_interval([(each.case, each.episode.collided) for each in successes]),
         "delta_e": delta_e_interval([*map(PairedCase.of, results)]),
-        "fix_loose": _share_interval(split.unharmed, len(violations)),
-        "stopped": _share_interval(split.stopped, len(violations)),
-        "goal_lost": _share_interval(split.lost, len(successes)),
+        "fix_loose": share_interval([(each.case, not each.episode.collided) for each in violations]),
+        "stopped": share_interval([(each.case, each.episode.timed_out) for each in violations]),
+        "goal_lost": share_interval([(each.case, not each.episode.reached_goal) for each in successes]),
         **_bootstraps(split),
     }
     return figures
+
+
+def share_interval(cases: Sequence[tuple[str, bool]]) -> list[float] | None:
+    """The 95 % interval of a share of cases, in percent; None without cases.
+
+    On each side the wider one of Wilson's, which takes cases as independent, and of the bootstrap over searches.
+
+    Args:
+        cases: names, and whether each counts.
+    """
+    if not cases:
+        return None
+    low, high = wilson(sum(counts for _, counts in cases), len(cases))
+    sums = by_group(np.array([(counts, 1.0) for _, counts in cases]), [search_of(name) for name, _ in cases])
+    other_low, other_high = bootstrap((sums,), lambda drawn: _shares(drawn[0]))
+    return _bounds((min(low, other_low), max(high, other_high)), 100.0)
 
 
 def delta_e_interval(cases: Sequence[PairedCase]) -> list[float] | None:
@@ -243,31 +259,37 @@ def share_of_bound(results: Sequence[CaseResult], bound: Mapping[str, CaseResult
 
 
 def _bootstraps(split: Split) -> dict[str, list[float] | None]:
-    tables = tuple(
-        np.array(
-            [(each.episode.dose, each.episode.change, each.episode.interventions) for each in results], dtype=np.float64
-        ).reshape(-1, 3)
-        for results in (split.violations, split.successes)
+    """Of dose, change and replaced frames of cases."""
+    results = [*split.violations, *split.successes]
+    return amount_intervals(
+        [*map(PairedCase.of, results)], [(each.episode.change, each.episode.interventions) for each in results]
     )
+
+
+def amount_intervals(
+    cases: Sequence[PairedCase], changes: Sequence[tuple[float, int]]
+) -> dict[str, list[float] | None]:
+    """The 95 % intervals of ``intensity``, ``dose`` and ``intervened_frames``: the bootstrap over searches.
+
+    Args:
+        cases: of one method.
+        changes: of each, by how much frames were changed in sum, and how many were.
+    """
+    if not cases:
+        return dict.fromkeys(("intensity", "dose", "intervened_frames"))
+    rows = [(case.dose, 1.0, change, frames) for case, (change, frames) in zip(cases, changes, strict=True)]
+    tables = _by_search(cases, rows)
     if all(len(table) < 2 for table in tables):  # nothing can be drawn but what there is
         return dict.fromkeys(("intensity", "dose", "intervened_frames"))
-    cases = max(1, sum(len(table) for table in tables))
 
-    def intensity(sums: tuple[Floats, ...]) -> Floats:
-        frames = sums[0][:, 2] + sums[1][:, 2]
-        return np.where(frames > 0.0, (sums[0][:, 1] + sums[1][:, 1]) / np.maximum(frames, 1.0), math.nan)
+    def share_of(column: int, whole: int) -> list[float] | None:
+        def statistic(sums: tuple[Floats, ...]) -> Floats:
+            value, of = (sums[0][:, place] + sums[1][:, place] for place in (column, whole))
+            return np.where(of > 0.0, value / np.maximum(of, 1.0), math.nan)
 
-    def dose(sums: tuple[Floats, ...]) -> Floats:
-        return (sums[0][:, 0] + sums[1][:, 0]) / cases
+        return _bounds(bootstrap(tables, statistic), 1.0)
 
-    def intervened(sums: tuple[Floats, ...]) -> Floats:
-        return (sums[0][:, 2] + sums[1][:, 2]) / cases
-
-    return {
-        "intensity": _bounds(bootstrap(tables, intensity), 1.0),
-        "dose": _bounds(bootstrap(tables, dose), 1.0),
-        "intervened_frames": _bounds(bootstrap(tables, intervened), 1.0),
-    }
+    return {"intensity": share_of(2, 3), "dose": share_of(0, 1), "intervened_frames": share_of(3, 1)}
 
 
 def _sum(values: Any) -> float:
@@ -281,10 +303,6 @@ def _ratio(value: float, by: float) -> float | None:
 
 def _percent(count: int, trials: int) -> float | None:
     return 100.0 * count / trials if trials else None
-
-
-def _share_interval(count: int, trials: int) -> list[float] | None:
-    return _bounds(wilson(count, trials), 100.0) if trials else None
 
 
 def _bounds(interval: tuple[float, float], factor: float) -> list[float] | None:

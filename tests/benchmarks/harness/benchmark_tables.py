@@ -129,7 +129,7 @@ def _outcomes(content: Content) -> Table:
         "episode, times the tick, mean over all cases. Frames: replaced ones a case. Deceleration [m/s²] and jerk "
         "[m/s³]: means over cases of the peak of the ego's, from its speed at 20 Hz, means over 0.2 s. Intervals are "
         "95 %: for ΔE the wider one, on each side, of Newcombe's and of the bootstrap over searches, since cases that one "
-        "search found are alike; the bootstrap over cases for the others."
+        "search found are alike; for shares likewise of Wilson's and of that bootstrap; that bootstrap for the others."
     )
     return Table("All figures", note, tuple(rows))
 
