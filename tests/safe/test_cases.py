@@ -19,10 +19,12 @@ SUMMARY = (
 
 
 def test_files_in_every_form_and_folders_of_them(tmp_path):
-    for name in ("a.json", "b.yaml", "c.safe"):
+    for name in ("a.json", "B.YAML", "c.safe"):
         save_crash_scenario(CROSSING, tmp_path / name)
+    (tmp_path / ".git").mkdir()
     (tmp_path / "a.evidence.json").write_text("{}", encoding="utf-8")
-    assert [case.name for case in gather_cases([tmp_path])] == ["a", "b"]
+    assert [case.name for case in gather_cases([tmp_path])] == ["B", "a"]
+    assert gather_cases([tmp_path])[0].crash == CROSSING
     (case,) = gather_cases([tmp_path / "c.safe"])
     assert (case.name, case.crash) == ("c", CROSSING)
 

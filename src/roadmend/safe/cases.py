@@ -72,10 +72,10 @@ def _of_language(path: Path) -> list[Path]:
     """The files of the scenario language that a path stands for; none where it is, or may hold, a report."""
     if path.is_file() and path.suffix.lower() != ".txt":
         return [path]
-    entries = sorted(path.iterdir()) if path.is_dir() else []
+    entries = [each for each in sorted(path.iterdir()) if not each.name.startswith(".")] if path.is_dir() else []
     if any(each.is_dir() or each.suffix.lower() == ".txt" for each in entries):
         return []
-    return [each for each in entries if each.suffix in LANGUAGE_SUFFIXES and not each.stem.endswith(EVIDENCE)]
+    return [each for each in entries if each.suffix.lower() in LANGUAGE_SUFFIXES and not each.stem.endswith(EVIDENCE)]
 
 
 def _from_language(path: Path) -> CrashCase:

@@ -26,7 +26,7 @@ def load_crash_scenario(path: Path) -> CrashScenario:
         InputError: the file cannot be read or a field of it is unusable; names line and field.
     """
     text = read_text(path, CRASH)
-    return parse_crash_scenario(text, path.suffix, str(path))
+    return parse_crash_scenario(text, path.suffix.lower(), str(path))
 
 
 def parse_crash_scenario(text: str, ending: str, where: str) -> CrashScenario:
@@ -62,7 +62,7 @@ def save_crash_scenario(scenario: CrashScenario, path: Path) -> None:
     Raises:
         InputError: the place cannot be written.
     """
-    write_text(path, dump_crash_scenario(scenario, path.suffix))
+    write_text(path, dump_crash_scenario(scenario, path.suffix.lower()))
 
 
 def _parse_json(text: str, where: str) -> CrashScenario:

@@ -41,6 +41,8 @@ def test_weather(words, value):
         ("at 0215 hours", Time.NIGHTTIME),
         ("at about 23:40", Time.NIGHTTIME),
         ("on a Tuesday", None),
+        ("and V1 came to rest 21.34 meters on", None),
+        ("and V2 slid for 12.50 m", None),
     ],
 )
 def test_time(words, value):

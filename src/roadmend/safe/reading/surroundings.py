@@ -16,7 +16,7 @@ _PARTS = {"afternoon": Time.DAYTIME, "morning": Time.DAYTIME, "day": Time.DAYTIM
 _SMALL = (1, 2, 3, 4)  # hours before light
 _MORNING = 6
 _CLOCK = re.compile(
-    r"\b(?:(?P<h>[01]?\d|2[0-3])[:.h][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
+    r"\b(?:(?P<h>[01]?\d|2[0-3])[:.h][0-5]\d(?!\d|\s*(?:m|met(?:er|re)s?|feet|foot|ft|km|miles?|mi|mph|seconds?|sec|s)\b|\s*%)|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
     r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=approx )|(?<=about )|(?<=around )|(?<=@ )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n)|"
     r"(?<=\d/\d )|(?<=\d/\d\d )|(?<=(?:mon|tue|wed|thu|fri|sat|sun|jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec) ))"
     r"(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.:]))|"
