@@ -44,7 +44,10 @@ class Command:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
-    """Planned motion of the ego's centre, shape (P,) each; point i is (i + 1) * interval seconds ahead."""
+    """Planned motion of the ego's centre, shape (P,) each; point i is (i + 1) * interval seconds after it was planned.
+
+    That is the tick at hand, but for a policy that plans less often and hands its last plan out once more meanwhile.
+    """
 
     interval: float  # [s]
     x: Floats  # [m]
