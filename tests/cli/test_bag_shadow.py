@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from rosbags.highlevel import AnyReader
 from roadmend.cli.main import main
 from roadmend.measures.fitting import fitting
 from roadmend.recording.reader import BagReader
+from roadmend.recording.writer import BagWriter
 
 pytestmark = pytest.mark.graph
 
@@ -48,6 +50,23 @@ def test_the_method_that_drove_would_do_the_same_again_bit_for_bit(recorded, sha
         then, now = by_stamp(bag, short), by_stamp(out, f"/shadow{short}")
         assert len(now) == result.ticks
         assert all(same(message, then[stamp]) for stamp, message in now.items())
+
+
+def test_the_shadow_of_a_bag_in_wall_time_lies_in_wall_time(shadow, tmp_path):
+    source, begin = BagReader(Path(__file__).parents[2] / "bags" / "samples" / "repaired"), 1_764_000_000 * 10**9
+    names = ["/ego", "/objects", "/route", "/events", "/policy/command", "/policy/trajectory", "/repair/state"]
+    with BagWriter(tmp_path / "wall") as writer:
+        for name in names:
+            topic = source.topics[name]
+            writer.add_topic(name, topic.type_name, topic.offers, source.definitions[topic.type_name])
+        for record in source.records(names):
+            if record.time_ns < 2 * 10**9:
+                writer.write(record.topic, begin + record.time_ns, record.data)
+    _, out = shadow("--repair", "none", bag=tmp_path / "wall")
+    made = BagReader(out)
+    assert "/shadow/repair/state" in made.topics
+    assert made.start_ns >= begin
+    assert made.end_ns < begin + 3 * 10**9
 
 
 def test_another_method_differs_where_the_first_one_stepped_in(recorded, shadow):

@@ -190,6 +190,15 @@ def test_it_begins_again_at_the_end_where_it_is_to_loop(bench):
     assert not there.node.finished
 
 
+def test_in_every_round_the_latched_messages_come_first(bench):
+    there = bench(start_offset=0.2, loop=True, rate=10.0)
+    there.begin()
+    there.wait(0.2)
+    notes = [data for topic, data in there.got if topic == "/note"]
+    assert len(notes) > 1
+    assert {*notes} == {serialize_message(String(data="begin"))}
+
+
 def test_an_offset_brings_the_latched_messages_first(bench):
     there = bench(start_offset=0.2)
     there.begin()

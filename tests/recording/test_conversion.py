@@ -119,6 +119,15 @@ def test_a_database_that_is_none(tmp_path, content):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bad"]
 
 
+def test_times_that_no_bag_of_ros_2_can_say_are_refused_in_a_line(tmp_path, make):
+    with BagWriter(tmp_path / "late") as writer:
+        writer.add_topic("/t", "std_msgs/msg/String")
+        writer.write("/t", 1 << 63, make.cdr(make("std_msgs/msg/String")))
+    with pytest.raises(InputError, match=r"has messages later than a bag of ROS 2 can say; .*recover"):
+        convert(tmp_path / "late", tmp_path / "sql", "sqlite3")
+    assert not (tmp_path / "sql").exists()
+
+
 @pytest.mark.parametrize("mode", ["message", "file"])
 @pytest.mark.parametrize("given", ["", "metadata.yaml", "sql.db3"])
 def test_a_database_that_is_compressed_as_a_whole_is_refused_unread(corpus, tmp_path, mode, given):

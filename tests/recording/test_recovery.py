@@ -312,6 +312,50 @@ def test_a_foreign_file_is_refused_with_the_reason(tmp_path, encodings, words):
         BagReader(tmp_path / "foreign.mcap")
 
 
+def written_otherwise(path, *channels):
+    """A bag of another writer: of each channel its topic, type and definition, with a message of three numbers."""
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2")
+        for number, (topic, type_name, text) in enumerate(channels):
+            schema = writer.register_schema(type_name, "ros2msg", text)
+            channel = writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": ""})
+            data = b"\0\1\0\0" + np.array([1.0, 2.0, 3.0]).tobytes()
+            writer.add_message(channel, 10 + number, data, 10 + number, 1)
+        writer.finish()
+    return path
+
+
+POINT = "geometry_msgs/msg/Point"
+XYZ, ZYX = b"float64 x\nfloat64 y\nfloat64 z\n", b"float64 z\nfloat64 y\nfloat64 x\n"
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        (("/t", "std_msgs/msg/Float64", b"float64 data\n"), "some are std_msgs/msg/Float64, those before them"),
+        (("/other", POINT, ZYX), f"their {POINT} is another than that of /t"),
+    ],
+)
+def test_what_would_pass_for_another_type_is_left_out_and_named(tmp_path, other, told):
+    path = written_otherwise(tmp_path / "a.mcap", ("/t", POINT, XYZ), other)
+    recovered = recover(path, tmp_path / "new")
+    assert len(recovered.missing) == 1
+    assert told in recovered.missing[0]
+    (record,) = BagReader(tmp_path / "new").messages(["/t"])
+    assert (record.value.x, record.value.z) == (1.0, 3.0)
+    assert not bag_info(path).complete
+    with pytest.raises(InputError, match=r"has two (types|definitions)"):
+        BagReader(path)
+
+
+def test_one_definition_in_other_words_is_one(tmp_path):
+    channels = ("/t", POINT, XYZ), ("/u", POINT, b"# Where it is.\n" + XYZ)
+    path = written_otherwise(tmp_path / "a.mcap", *channels)
+    assert recover(path, tmp_path / "new").missing == []
+    assert [record.value.z for record in BagReader(path).messages(["/t", "/u"])] == [3.0, 3.0]
+
+
 @pytest.mark.parametrize("options", [{"use_chunking": False}, {"compression": CompressionType.NONE}])
 def test_a_file_that_another_writer_laid_out_otherwise(tmp_path, options):
     foreign(tmp_path / "other.mcap", "cdr", "ros2msg", **options)

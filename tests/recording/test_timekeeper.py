@@ -72,5 +72,11 @@ def test_a_stamp_before_time_began_counts_as_no_stamp(times):
     assert times(keeper, CLOCK, -SECOND) == 0
 
 
+def test_without_simulation_the_clock_is_followed_all_the_same(times):
+    keeper = Timekeeper(simulated=False)
+    times(keeper, CLOCK, 12 * SECOND)
+    assert keeper.now_ns == 12 * SECOND
+
+
 def test_a_stamp_of_zero_is_that_of_a_simulation_that_begins(times):
     assert times(Timekeeper(), COMMAND, 0) == 0

@@ -83,8 +83,8 @@ def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
         copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, namespace)
 
         def write(tick: BagTick, repair: Repair) -> None:
-            copy.until(tick.stamp)
-            episode.answer(tick.stamp, tick.stamp, repair, choice.method)
+            copy.until(tick.time_ns)
+            episode.answer(tick.time_ns, tick.stamp, repair, choice.method)
             waiting.update(f"{tick.stamp * 1e-9:.0f} s")
 
         summary = run_shadow(ticks, repairer, write)

@@ -1,6 +1,5 @@
 """``roadmend replay``: a bag, published as it was recorded."""
 
-import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import PATH, Number, options_of
 from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.nodes.loopback import reach
+from roadmend.nodes.ros_arguments import as_yaml
 
 INTERRUPTED = 130  # exit code
 
@@ -106,7 +106,7 @@ def replay(given: ReplayOptions) -> int:
         "wait_for": given.wait_for or [""],
         "wait_for_listeners": given.wait_for_listeners,
     }
-    words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
+    words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={as_yaml(value)}")]
     code = main(["replay_node", "--ros-args", *words, *extra], interrupted=INTERRUPTED)
     if code == INTERRUPTED:
         raise click.Abort

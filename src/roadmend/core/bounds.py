@@ -68,10 +68,11 @@ MODEL = Bounds(size=96_000_000, line=16_000_000)
 SKETCH = Bounds(size=20_000_000, values=25_000_000)
 """The picture of a crash; ``values`` are its pixels."""
 
-BAG = Bounds(size=1 << 40, unpacked=1 << 40, ratio=1000.0, line=1 << 26)
+BAG = Bounds(size=1 << 40, unpacked=1 << 40, free=1 << 30, ratio=1000.0, line=1 << 26)
 """A file of a bag (MCAP), read piece by piece; ``line`` is a piece: a record, or a chunk before compression [bytes].
 
-Bags of driving have a ratio of 5, their best chunks one of 11; messages of zeros one of 600."""
+Bags of driving have a ratio of 5, their best chunks one of 11; pictures of a covered camera one of thousands, so that a
+gigabyte may come of anything: that takes less than a second, and never more memory than a piece."""
 
 ARRAYS = Bounds(size=1 << 30, unpacked=1 << 30)
 """Arrays that this project has put on the disk itself (.npz), and arrays within a bank."""

@@ -17,7 +17,7 @@ from roadmend.nodes.domain import own_domain
 from roadmend.nodes.fault import read_fault
 from roadmend.nodes.graph_options import NODES, SUMMARY, GraphOptions, Place
 from roadmend.nodes.loopback import reach
-from roadmend.nodes.ros_arguments import SHARED, check_addressees, check_taken, shared_parameters
+from roadmend.nodes.ros_arguments import SHARED, as_yaml, check_addressees, check_taken, shared_parameters
 from roadmend.nodes.run_result import InterruptedRunError, RunResult, announcement_of, read_result
 from roadmend.nodes.scratch import scratch_folder
 from roadmend.nodes.supervisor import START_S, Supervisor
@@ -93,7 +93,7 @@ class _GraphRun:
     def _child(self, node: str, *, may_restart: bool, **parameters: Any) -> Child:
         arguments: list[str] = []
         for name, value in parameters.items():
-            arguments += ["-p", f"{name}:={_as_yaml(value)}"]
+            arguments += ["-p", f"{name}:={as_yaml(value)}"]
         return Child(
             f"{node}_node",
             f"roadmend.nodes.{node}",
@@ -250,11 +250,6 @@ def _raise(child: Child, *, has_driven: bool) -> NoReturn:
     if isinstance(fault, InputError) and not has_driven:  # at that the bag is thrown away
         raise fault
     raise RoadmendError(f"{child.name} failed ({child.exit_code}): {fault}")
-
-
-def _as_yaml(value: Any) -> str:
-    """A parameter value as rcl's YAML reader takes it on the command line; texts are quoted so that they stay texts."""
-    return json.dumps(value)
 
 
 @contextlib.contextmanager

@@ -113,7 +113,8 @@ class RecorderNode(Node):
         self._configuration = ConfigurationAnnouncer(self, "recorder")
         self._include = _pattern("include", settings.include)
         self._exclude = _pattern("exclude", settings.exclude or "$^")
-        self._timekeeper = Timekeeper(simulated=settings.time_source == "simulation")
+        self._is_wall = settings.time_source == "system"
+        self._timekeeper = Timekeeper(simulated=not self._is_wall)
         self._metadata = metadata_from_file(Path(settings.metadata)) if settings.metadata else {}
         attachments = [Attachment.from_file(Path(path)) for path in settings.attachments if path]
         self._attached = {hashlib.sha256(each.data).hexdigest(): each.name for each in attachments}
@@ -156,7 +157,7 @@ class RecorderNode(Node):
 
     def _note_who_runs(self, *, is_last: bool = False) -> None:
         """What was announced goes into the bag as soon as somebody drives, so that a recorder that is killed leaves it."""
-        is_driving = self._timekeeper.now_ns > 0
+        is_driving = self._timekeeper.now_ns > 0 or (self._is_wall and self._writer.count > 0)
         self._announcements.look(is_driving=is_driving)
         if self._is_told or not (is_driving or is_last):
             return

@@ -17,7 +17,7 @@ from roadmend.nodes.children import Child, stop
 from roadmend.nodes.graph_options import JOURNAL, RECORDER_SUMMARY, REPAIR_SUMMARY
 from roadmend.nodes.loopback import reach
 from roadmend.nodes.repair_tally import RepairTally
-from roadmend.nodes.ros_arguments import SHARED, check_addressees, shared_parameters
+from roadmend.nodes.ros_arguments import SHARED, as_yaml, check_addressees, shared_parameters
 from roadmend.nodes.run_result import read_summary
 from roadmend.nodes.scratch import scratch_folder
 from roadmend.nodes.spinning import stop_on_signals
@@ -130,7 +130,7 @@ class _Run:
         self._supervisor = Supervisor(REALTIME_SILENCE_S)
 
     def _child(self, node: str, parameters: Mapping[str, Any], *, may_restart: bool) -> Child:
-        words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
+        words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={as_yaml(value)}")]
         environment = {"ROS_DOMAIN_ID": self._domain, **reach("SUBNET")}
         extra: Sequence[str] = self._extra
         if node != "repair":  # the repair node refuses what it does not have; another one need not have it

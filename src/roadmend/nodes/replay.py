@@ -236,6 +236,7 @@ class ReplayNode(Node):
 
     def _end(self, now: float) -> None:
         if self._loop:
+            self._publish(self._source.latched())
             self._ticks = self._source.ticks()
             self._next = self._read()
             self._playhead.seek(self._source.start_ns, now)

@@ -19,6 +19,11 @@ _PARAMETER, _REMAP, _FILE = ("-p", "--param"), ("-r", "--remap"), "--params-file
 _LEAF = "ros__parameters"
 
 
+def as_yaml(value: Any) -> str:
+    """A parameter's value as rcl's YAML reader takes it on the command line; texts are quoted so that they stay texts."""
+    return json.dumps(value, ensure_ascii=False)  # it knows no surrogates
+
+
 def shared_parameters(given: Sequence[str]) -> set[str]:
     """Names of the parameters that are addressed to all nodes.
 

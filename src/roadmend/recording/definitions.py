@@ -110,6 +110,21 @@ def computed_hash(type_name: str, text: str, encoding: str = "ros2msg") -> str:
         ) from error
 
 
+def same_layout(one: Definition, other: Definition) -> bool:
+    """Whether messages of one definition can be read by the other; of two types they are no matter to each other."""
+    if (
+        one.type_name != other.type_name
+        or one.text == other.text
+        or (one.type_hash and one.type_hash == other.type_hash)
+    ):
+        return True
+    try:
+        hashes = {computed_hash(each.type_name, each.text, each.encoding) for each in (one, other)}
+    except InputError:  # which cannot be told
+        return False
+    return len(hashes) == 1
+
+
 def _collect(name: str, texts: dict[str, str]) -> None:
     """Put the text of ``name`` and of all that it contains into ``texts``, in the order in which rosbag2 puts them."""
     text = _read(name)

@@ -1,5 +1,6 @@
 """A drive of another stack as an episode, for pictures: what was newest at every answer of a repair node. Needs no ROS."""
 
+import contextlib
 from pathlib import Path
 
 from roadmend.core.errors import InputError
@@ -42,7 +43,8 @@ def read_foreign_episode(path: Path, ego: str, objects: str, vehicle: EgoOutline
             if message.topic == ego:
                 pose = ego_pose_of(message.value, vehicle)
             elif message.topic == objects:
-                seen = seen if pose is None else seeing.read(message.value, pose)[0]
+                with contextlib.suppress(ValueError):  # as the repair node has met it: what was seen before still holds
+                    seen = seen if pose is None else seeing.read(message.value, pose)[0]
             elif pose is not None:
                 episode.repairs[stamp] = messages.repair_of(message.value)
         except ValueError as error:

@@ -12,6 +12,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.yaml_file import read_yaml
 from roadmend.recording.qos import Qos
 
+TIME_LIMIT = 1 << 63  # [ns] rosbag2 has no later times
 METADATA_FILE = "metadata.yaml"
 RECORD = "roadmend"  # metadata record of the run: who drove what, and what came of it
 FILE_RECORD = "rosbag2"  # metadata record of the file itself, which every writer makes anew

@@ -20,7 +20,7 @@ from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
 from roadmend.recording.chunk import DamagedError
 from roadmend.recording.codec import Codec
-from roadmend.recording.definitions import ENCODINGS, Definition
+from roadmend.recording.definitions import ENCODINGS, Definition, same_layout
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import FileSummary, TopicSummary
 from roadmend.recording.mcap_file import McapFile
@@ -170,6 +170,8 @@ class BagReader:
         if summary is None or summary.statistics is None:
             raise InputError(str(path), "has no index", _RECOVER)
         _refuse_unreadable(path, summary)
+        if summary.statistics.message_end_time >= layout.TIME_LIMIT:
+            raise InputError(str(path), "has messages later than a bag of ROS 2 can say", _RECOVER)
         for metadata in reader.metadata():
             self.metadata.setdefault(metadata.name, {}).update(metadata.metadata)
         repeated = self.metadata.pop(layout.REPEATED, {})
@@ -184,7 +186,9 @@ class BagReader:
                 offers = qos.load(channel.metadata.get("offered_qos_profiles", ""))
                 known = TopicSummary(channel.topic, schema.name, type_hash, offers, 0)
                 definition = Definition(schema.name, schema.data.decode(), type_hash, schema.encoding)
-                self.definitions[schema.name] = definition
+                if not same_layout(self.definitions.setdefault(schema.name, definition), definition):
+                    what = f"has two definitions of {schema.name}; that of {channel.topic} is another"
+                    raise InputError(str(path), what, "keep bags of different versions apart")
             elif known.type_name != schema.name:
                 what = f"{channel.topic} has two types, {known.type_name} and {schema.name}"
                 raise InputError(str(path), what, "take another bag")

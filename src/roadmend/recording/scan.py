@@ -21,7 +21,7 @@ from roadmend.core.bounds import BAG, Allowance
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
 from roadmend.recording.chunk import RECORD_HEAD, RECORD_LIMIT, ChunkReader, DamagedError, exactly
-from roadmend.recording.definitions import ENCODINGS, Definition
+from roadmend.recording.definitions import ENCODINGS, Definition, same_layout
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.mcap_file import McapFile, is_altered
 from roadmend.recording.qos import Qos
@@ -33,7 +33,6 @@ _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _CHUNK_SIGN = re.compile(rb"(?=\x06.{36}(?:\x00{4}|\x04\x00{3}zstd|\x03\x00{3}lz4))", re.DOTALL)
 _SEARCH_PIECE = 1 << 20  # [bytes]
 _SIGN_LENGTH = 45  # [bytes] the longest that the above looks at
-_TIME_LIMIT = 1 << 63  # [ns] rosbag2 has no later times
 _FIXED = {int(Opcode.FOOTER): 20, int(Opcode.DATA_END): 4}  # lengths [bytes]
 
 
@@ -241,7 +240,7 @@ class Scan:
             raise DamagedError("a message is too short")
         channel, sequence, time_ns, publish_ns = _MESSAGE.unpack_from(content)
         topic = self._topics.get(channel)
-        if topic is None or max(time_ns, publish_ns) >= _TIME_LIMIT:
+        if topic is None or max(time_ns, publish_ns) >= layout.TIME_LIMIT:
             self.report.nameless += 1
             return None
         self.report.messages[topic.name] += 1
@@ -267,7 +266,20 @@ class Scan:
             problem, text, offers = problem or "its definition or quality of service is damaged", "", ()
         name, encoding = ("", "") if schema is None else (schema.name, schema.encoding)
         definition = Definition(name, text, type_hash, encoding)
+        if schema is not None and not problem:
+            problem = self._clash(channel.topic, definition)
         self._topics[channel.id] = ScannedTopic(channel.topic, definition, offers, problem)
+
+    def _clash(self, topic: str, definition: Definition) -> str:
+        """Why a channel cannot stand beside those before it: a bag has one type a topic, and one definition a type."""
+        for one in self._topics.values():
+            if one.problem:
+                continue
+            if one.name == topic and one.definition.type_name != definition.type_name:
+                return f"some are {definition.type_name}, those before them {one.definition.type_name}"
+            if not same_layout(one.definition, definition):
+                return f"their {definition.type_name} is another than that of {one.name}"
+        return ""
 
     def _footer(self, stream: BinaryIO) -> int | None:
         """Where the footer stands if the file ends with one: what lies before it is the index, which was read."""

@@ -26,6 +26,7 @@ class BagTick:
     """What a bag holds of one tick; None where it has nothing, or nothing that can be read."""
 
     stamp: int  # [ns]
+    time_ns: int = 0  # latest log time of its messages [ns]: the stamp, where these are of simulation time
     route: Route | None = None  # where an episode begins
     lanes: LaneMap | None = None  # likewise
     ego: EgoState | None = None
@@ -102,8 +103,10 @@ class BagTicks:
                 open_ticks[stamp] = BagTick(stamp)
                 for done in sorted(known for known in open_ticks if known < stamp - LATE_NS):
                     yield open_ticks.pop(done)
+            tick = open_ticks[stamp]
+            tick.time_ns = max(tick.time_ns, record.time_ns)
             try:
-                takers[record.topic](open_ticks[stamp], value)
+                takers[record.topic](tick, value)
             except (ValueError, IndexError) as error:
                 where = f"{record.topic} at {stamp * 1e-9:.2f} s"
                 raise InputError(str(self.path), f"{where}: {error}", "take another bag") from error

@@ -35,18 +35,15 @@ class Timekeeper:
 
         It raises ValueError where they are too few to hold the stamp of one.
         """
-        if not self._simulated:
-            return self._of_bare
         if definition.type_name == CLOCK_TYPE:
             return self._of_clock
-        if definition.first_field == _HEADER:
+        if self._simulated and definition.first_field == _HEADER:
             return self._of_header
         return self._of_bare
 
     def _of_clock(self, data: bytes) -> int:
-        now_ns = max(stamp_of_bytes(data), 0)
-        self.now_ns = now_ns
-        return now_ns
+        self.now_ns = max(stamp_of_bytes(data), 0)
+        return self.unstamped()
 
     def _of_header(self, data: bytes) -> int:
         stamp = stamp_of_bytes(data)
