@@ -1,7 +1,7 @@
 """A driving policy as a ROS node of one's own; it needs the messages of roadmend and nothing else of it.
 
 ROS_DOMAIN_ID=42 ./roadmend run --scenario config/scenarios/demo-exit.yaml --policy external --repair adreft
-ROS_DOMAIN_ID=42 .venv/bin/python src/examples/external_policy.py
+ROS_DOMAIN_ID=42 ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST .venv/bin/python src/examples/external_policy.py
 """
 
 import contextlib

@@ -122,7 +122,8 @@ def test_a_sumo_configuration_that_is_not_there(tmp_path, complaint):
     line = complaint("run", "--sumocfg", tmp_path / "none.sumocfg", "--out", tmp_path / "bags")
     assert (
         line
-        == f"roadmend: {tmp_path / 'none.sumocfg'}: no such file; give the path of a SUMO .sumocfg file, or of a folder"
+        == f"roadmend: {tmp_path / 'none.sumocfg'}: no such file; give the path of a SUMO configuration (.sumocfg) or network "
+        "(.net.xml, .net.xml.gz), or of a folder"
     )
     assert entries(tmp_path) == []
 

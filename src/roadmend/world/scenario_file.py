@@ -16,7 +16,7 @@ from roadmend.core.yaml_file import read_yaml
 from roadmend.world.lone_network import with_traffic
 from roadmend.world.scenario import NetworkFile, Scenario, SumoConfiguration
 from roadmend.world.time_limit import time_for_route
-from roadmend.world.user_configuration import configurations_in, content_of, network_of
+from roadmend.world.user_configuration import WANTED, configurations_in, content_of, network_of
 
 _SENSING_RANGE = 150.0  # [m] as in the scenario families on a clear day
 SUFFIXES = frozenset({".yaml", ".yml"})
@@ -82,7 +82,7 @@ def scenario_of_configuration(
         InputError: there is no such file, it has no such route, or a value is out of range.
     """
     if not path.is_file():
-        raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
+        raise InputError(str(path), "no such file", WANTED)
     path = with_traffic(path)
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", path.parent.resolve().name)
     content = {

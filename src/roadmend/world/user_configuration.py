@@ -26,6 +26,7 @@ _INPUT_FILES = _NET | {
     "astar.landmark-distances",
     "device.fcd-replay.files",
 }
+WANTED = "give the path of a SUMO configuration (.sumocfg) or network (.net.xml, .net.xml.gz)"
 # Sections whose effects belong to the user's own runs.
 _DROPPED = ("output", "report", "gui_only", "gui-only")
 # So do these options, in whatever section: they write, wait for a client, open windows, or draw numbers and share work
@@ -73,7 +74,7 @@ def read_configuration(path: Path) -> ET.Element:
         InputError: the file is missing, is no XML, or no configuration for the microscopic simulation.
     """
     if not path.is_file():
-        raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
+        raise InputError(str(path), "no such file", WANTED)
     root = read_xml(path, "mend the SUMO configuration")
     if root.tag in {"net", "routes", "additional"}:
         raise InputError(str(path), f"is no SUMO configuration (its root is <{root.tag}>)", "give a .sumocfg file")
@@ -149,7 +150,7 @@ def configurations_in(paths: Sequence[Path]) -> Iterator[tuple[str, Path]]:
             raise InputError(str(given), "holds no .sumocfg", "'roadmend networks' makes some")
         for path in found:
             if not path.is_file():
-                raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file, or of a folder")
+                raise InputError(str(path), "no such file", f"{WANTED}, or of a folder")
             # What is a link in a folder goes by its place there, wherever it leads.
             place = given.resolve() / path.relative_to(given) if given.is_dir() else path.resolve()
             top = given.resolve().parent if given.is_dir() else place.parent.parent
