@@ -145,6 +145,47 @@ def test_an_invalid_command_never_reaches_method_or_vehicle(command):
     assert "taken as" in repair.reason
 
 
+STANDS = Box(7, 14.0, 0.0)
+WILD = Command(7.0, 0.0)
+
+
+def test_a_command_that_cannot_be_is_judged_by_the_rule_as_well():
+    method = Scripted(Proposal(0.1, 0.5, 0.8, hold_back=True))
+    repairer = guarded(method)
+    repair = step(repairer, [STANDS], command=WILD)
+    assert repair.status == RepairStatus.INVALID_COMMAND
+    assert repair.final_action < -0.3
+    assert (repair.intervened, repair.score > repair.threshold) == (True, True)
+    assert [trigger.object_id for trigger in repair.triggers] == [7]
+    assert "; rss: " in repair.reason
+    assert method.seen[-1][1].command == Command(1.0, 0.0)
+    wish = step(repairer, [STANDS], time=0.05, command=replace(WILD, change_lane=True))
+    assert not wish.command.change_lane
+
+
+def test_where_nobody_is_in_the_way_or_the_method_brakes_harder_its_word_stands():
+    alone = step(guarded(), command=WILD)
+    assert (alone.final_action, alone.score, "rss" in alone.reason) == (1.0, QUIET.score, False)
+    harder = step(guarded(Scripted(Proposal(0.9, 0.5, -1.0, reason="mine"))), [STANDS], command=WILD)
+    assert (harder.final_action, harder.reason.endswith("mine")) == (-1.0, True)
+
+
+def test_a_valid_command_is_the_methods_affair_alone():
+    assert step(guarded(), [STANDS], command=Command(1.0, 0.0)).final_action == 1.0
+    plan = Trajectory(0.1, np.full(3, math.nan), *np.zeros((3, 3)))
+    repair = step(guarded(), [STANDS], command=Command(1.0, 0.0), trajectory=plan)
+    assert (repair.status, repair.final_action) == (RepairStatus.INVALID_COMMAND, 1.0)
+
+
+@pytest.mark.parametrize("answer", [fail, lambda *_: Proposal(0.9, 0.5, -7.0)])
+def test_where_the_rule_cannot_judge_it_either_the_methods_word_stands(answer):
+    repairer = guarded(Scripted(Proposal(0.9, 0.5, -0.7)))
+    repairer._rule.propose = lambda *_: answer()
+    repair = step(repairer, [STANDS], command=WILD)
+    assert (repair.status, repair.final_action) == (RepairStatus.INVALID_COMMAND, -0.7)
+    assert ("without rss" in repair.reason) == (answer is fail)
+
+
 def test_the_method_can_still_brake_harder_than_a_sanitised_command():
     repair = step(guarded(Scripted(Proposal(0.9, 0.5, -1.0))), command=Command(math.nan, 0.0))
     assert repair.status == RepairStatus.INVALID_COMMAND

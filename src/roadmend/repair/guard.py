@@ -158,6 +158,19 @@ class GuardedRepairer:
         self._ruled = scene.time
         return self._rule.propose(scene, decision)
 
+    def _ask_both(
+        self, scene: Scene, decision: Decision, route: Route, proposal: Proposal, final: Command
+    ) -> tuple[Proposal, Command, list[str]]:
+        """The rule's proposal and command in the place of the method's where the rule brakes harder, and a note on it."""
+        try:
+            rule = self._ask_rule(scene, decision, route)
+            harder = final if proposal_fault(rule) else merge(final, rule)
+        except Exception as error:  # noqa: BLE001 -- the method has answered: what it says holds
+            return proposal, final, [f"without rss: {error!r}"]
+        if harder is final:
+            return proposal, final, []
+        return replace(rule, hold_back=proposal.hold_back or rule.hold_back), harder, [f"rss: {rule.reason}"]
+
     def _usable(self, scene: Scene) -> tuple[Scene, int]:
         """The scene with its usable objects only, and how many were dropped."""
         objects, bounds = scene.objects, self.parameters
@@ -227,6 +240,9 @@ class GuardedRepairer:
                 return replace(stop, dropped_objects=dropped)
             proposal = replace(proposal, hold_back=True)  # no lane change begins that nobody judges
         final = merge(command, proposal)
+        if asked.fault:  # who asks for what cannot be is not the policy that the method knows: the rule judges it too
+            proposal, final, note = self._ask_both(scene, decision, self._route, proposal, final)
+            notes += note
         if final is not command and status == RepairStatus.PASS:
             status = RepairStatus.REPAIRED
         if proposal.reason:
