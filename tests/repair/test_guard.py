@@ -161,6 +161,9 @@ def test_a_command_that_cannot_be_is_judged_by_the_rule_as_well():
     assert method.seen[-1][1].command == Command(1.0, 0.0)
     wish = step(repairer, [STANDS], time=0.05, command=replace(WILD, change_lane=True))
     assert not wish.command.change_lane
+    later = step(repairer, [STANDS], time=0.95, command=WILD)  # what the rule remembers is long past by then
+    assert later.final_action < -0.3
+    assert "without rss" not in later.reason
 
 
 def test_where_nobody_is_in_the_way_or_the_method_brakes_harder_its_word_stands():

@@ -92,7 +92,7 @@ def simulation(*people, speed=8.0, position=100.0, time_limit=60.0, stages=1, cl
     made._dynamics = SimpleNamespace(speed=speed)
     made._participants = Crowd(people)
     made._courtesy, made._stand_off = Recorder(), Recorder(list(cleared))
-    made._script = SimpleNamespace(heedless={"who heeds nothing"})
+    made._script = SimpleNamespace(heedless={"who heeds nothing"}, held={"who is slow": 0.5})
     made._built = SimpleNamespace(signals=())
     made._tick, made._last_yaw, made._final, made._seen = TICK, 0.0, None, None
     return made
@@ -242,7 +242,7 @@ def test_the_rules_for_the_others_are_given_what_is_there():
     ego, seen = tick.scene.ego, made.seen
     assert seen.names == ("v1", "v2")
     assert seen.objects is tick.scene.objects
-    assert made._courtesy.asked == [(ego, seen.names, seen.around, {"who heeds nothing"})]
+    assert made._courtesy.asked == [(ego, seen.names, seen.around, {"who heeds nothing"}, {"who is slow": 0.5})]
     ((stander, way, names, around, waiting),) = made._stand_off.asked
     assert (stander, names, around, waiting) == (ego, seen.names, seen.around, "who waits")
     assert way(15.0) == pytest.approx((135.0, 0.0, 0.0))  # the pose that far ahead on the ego's lane

@@ -169,7 +169,7 @@ class GuardedRepairer:
             return proposal, final, [f"without rss: {error!r}"]
         if harder is final:
             return proposal, final, []
-        return replace(rule, hold_back=proposal.hold_back or rule.hold_back), harder, [f"rss: {rule.reason}"]
+        return rule, harder, [f"rss: {rule.reason}"]
 
     def _usable(self, scene: Scene) -> tuple[Scene, int]:
         """The scene with its usable objects only, and how many were dropped."""
