@@ -21,7 +21,8 @@ FORGOTTEN = {
     "redrawn_before": None,
     "redrawn_change": None,
 }
-SIZES = {"seeds": 2, "bank": 100, "evaluation": 40, "hard": 20, "split": "test"}
+PLAN = {"evaluation": {"violations": 4, "successes": 2, "ordinary": 2}}
+SIZES = {"seeds": 2, "bank": 100, "evaluation": 40, "hard": 20, "split": "test", "plan": PLAN}
 
 
 def result(gain, *, in_depth=True):

@@ -186,7 +186,8 @@ def test_a_policy_that_fails_nowhere_is_said_to(plan, evaluated, bank, tmp_path)
 
 def test_the_figures_are_written_in_the_fields_that_others_read(results, tmp_path):
     retrieval = {"n": 1000, "p95_ms": 4.5, "recall_at_10": 0.995, "more": 1}
-    sizes = {"seeds": 2, "bank": 200, "evaluation": 40, "hard": 10, "split": "test"}
+    plan = {"evaluation": {"successes": 3, "ordinary": 3}}
+    sizes = {"seeds": 2, "bank": 200, "evaluation": 40, "hard": 10, "split": "test", "plan": plan}
     content = build_content({"neural": results}, retrieval, MADE, sizes)
     write_sera(tmp_path, "sera", content)
     read = json.loads((tmp_path / "sera.json").read_text())

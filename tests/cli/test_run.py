@@ -194,7 +194,7 @@ def test_all_that_went_wrong_is_said_of_each(egos):
     code, _, said = egos("--egos", 3, troubled=(1, 2))
     assert code == 1
     assert [line.partition("town-")[2] for line in said] == [
-        f"{seed}: {what}" for seed in (1, 2) for what in ("disk full", "policy_node ended (1)")
+        f"{seed}: {what}" for seed in (1, 2) for what in ("policy_node ended (1)", "disk full")
     ]
 
 

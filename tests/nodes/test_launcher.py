@@ -6,12 +6,14 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import yaml
 
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes import launcher
 from roadmend.nodes.children import Child
 from roadmend.nodes.graph_options import NODES, GraphOptions, NodeEntry
-from roadmend.nodes.launcher import BAD_INPUT, _as_yaml, _GraphRun, _raise, run_graph
+from roadmend.nodes.launcher import BAD_INPUT, _GraphRun, _raise, run_graph
+from roadmend.nodes.ros_arguments import as_yaml
 from roadmend.nodes.run_result import RunResult
 from roadmend.nodes.supervisor import RESTARTS_MAX
 
@@ -174,10 +176,19 @@ def test_a_node_that_runs_is_left_alone(run, tmp_path):
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [("on", '"on"'), ("1", '"1"'), (2.0, "2.0"), (3, "3"), (True, "true"), (["a", "b"], '["a", "b"]')],
+    [
+        ("on", '"on"'),
+        ("1", '"1"'),
+        (2.0, "2.0"),
+        (3, "3"),
+        (True, "true"),
+        (["a", "b"], '["a", "b"]'),
+        ("fährt \U0001f697", '"fährt \U0001f697"'),
+    ],
 )
 def test_parameters_keep_their_type_on_the_command_line(value, text):
-    assert _as_yaml(value) == text
+    assert as_yaml(value) == text
+    assert yaml.load(text, yaml.CSafeLoader) == value
 
 
 def test_the_recorder_is_waited_for_and_without_observers_nobody_is(run, tmp_path):

@@ -259,17 +259,19 @@ def test_a_plan_that_nobody_can_use_is_drawn_as_absent(stage):
     assert stage.drawn(topics.MARKERS_PLAN) == pytest.approx([0.0, 0.1])
 
 
-def test_a_tick_that_cannot_be_drawn_is_reported_and_survived(stage):
-    last = header_of(2.0**31 - 1.0)  # [s] the points of a plan come later than any stamp can say
-    points = np.ones(2)
-    plan = Trajectory(0.5, points, points, points, points)
-    stage.send(topics.EGO, ego_message_of(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), last))
-    stage.send(topics.OBJECTS, OBJECTS(header=last))
-    stage.send(topics.POLICY_TRAJECTORY, trajectory_message_of(plan, last))
-    stage.send(topics.REPAIR_STATE, REPAIR(header=last))
+def test_a_tick_that_cannot_be_drawn_is_reported_and_survived(stage, monkeypatch):
+    draw = viz.draw_tick
+
+    def drawing(scene, *more):
+        if scene.time == 7.0:
+            raise ValueError("no such colour")
+        return draw(scene, *more)
+
+    monkeypatch.setattr(viz, "draw_tick", drawing)
+    stage.tick(140)
     stage.until(lambda: any(b"\x01" in report.status[0].level for report in stage.got[topics.DIAGNOSTICS]))
     warning = next(report for report in stage.got[topics.DIAGNOSTICS] if report.status[0].level == b"\x01")
-    assert warning.status[0].message.startswith("the tick at 2147483647.00 s cannot be drawn: ")
+    assert warning.status[0].message.startswith("the tick at 7.00 s cannot be drawn: ")
     for number in range(3):
         stage.tick(number)
     stage.until(lambda: stage.drawn()[-2:] == pytest.approx([0.0, 0.1]))

@@ -214,8 +214,8 @@ def run(given: RunOptions) -> int:
 
 
 def _troubles(result: RunResult) -> list[str]:
-    """Each reason for which a run that has ended ends with 1, once."""
-    told = (result.policy_error, result.method_error, result.recording_error, "; ".join(result.faults))
+    """Each reason for which a run that has ended ends with 1, once; what the others may follow from is the last."""
+    told = ("; ".join(result.faults), result.recording_error, result.method_error, result.policy_error)
     return [*dict.fromkeys(filter(None, told))]
 
 
