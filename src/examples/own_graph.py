@@ -6,7 +6,8 @@ for, each at its own rate. The car moves by what it is told on /drive/repaired. 
     ./roadmend repair --repair rss --ego /odom --objects /detections --objects-type vision_msgs/msg/Detection3DArray \
         --command /drive/accel --command-type geometry_msgs/msg/AccelStamped --repaired /drive/repaired
 
-and then ``ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST .venv/bin/python src/examples/own_graph.py``. With ``--bare`` the car obeys its own controller instead.
+and then ``ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST .venv/bin/python src/examples/own_graph.py``. With ``--bare`` the car
+obeys its own controller instead.
 """
 
 import contextlib

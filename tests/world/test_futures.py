@@ -85,16 +85,20 @@ def test_who_is_still_to_come_departs_at_another_time():
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(("speed", "at_least", "at_most"), [(5.0, 4.0, 6.0), (60.0, 15.0, 24.5)])
-def test_who_is_still_to_come_keeps_the_speed_of_the_scenario(seed, speed, at_least, at_most):
+def test_who_is_still_to_come_keeps_the_speed_of_the_scenario_and_does_not_wait_for_room(
+    seed, speed, at_least, at_most
+):
+    ahead = Vehicle(id="ahead", route=("forward",), position=30.0, speed=0.5, speed_factor=0.3, driver="careful")
     road = OpenRoadNetwork(length=600.0)
     late = Vehicle(id="late", kind="truck", route=("forward",), position=15.0, depart=2.0, speed=speed)
     ego = Ego(route=("forward",), position=300.0)
-    with Simulation(Scenario(name="late", network=road, ego=ego, actors=(late,), time_limit=60.0)) as simulation:
+    with Simulation(Scenario(name="late", network=road, ego=ego, actors=(ahead, late), time_limit=60.0)) as simulation:
         simulation.first()
         simulation.step(Command(0.0, 1.0))
         simulation.vary(seed, Spread())
         while "late" not in libsumo.vehicle.getIDList():
-            simulation.step(Command(0.0, 1.0))
+            now = simulation.step(Command(0.0, 1.0)).scene.time
+        assert now <= 2.0 + 2.0 * Spread().departure + 0.1
         entered = libsumo.vehicle.getSpeed("late")
     assert at_least < entered < at_most
 

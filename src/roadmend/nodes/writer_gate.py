@@ -60,7 +60,7 @@ class WriterGate:
                 self._former.add(short)
                 mine = self._mine(publishers)
         if len(mine) > self._known:  # it was started anew, and so were its numbers
-            self._last, self._is_sure, self._is_doubtful = None, False, False
+            self._last, self._skipped, self._is_sure, self._is_doubtful = None, None, False, False
         self._known, self._is_there = len(mine), bool(mine)
         self.strangers = tuple(sorted(names - {*mine}))
         if mine:

@@ -359,8 +359,8 @@ def route_of(message: Any) -> Route:
         tuple(Window(begin, end) for begin, end in windows),
         tuple(Zone(stage, begin, end, RightOfWay(rule), signal) for stage, begin, end, rule, signal in zones),
     )
-    if route.fault:
-        raise ValueError(f"route: {route.fault}")
+    if fault := route.fault:
+        raise ValueError(f"route: {fault}")
     return route
 
 

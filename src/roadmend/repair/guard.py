@@ -65,7 +65,8 @@ class GuardedRepairer:
         On an unusable route every tick is answered with a controlled stop.
         """
         try:
-            self._route_fault = f"unusable route: {route.fault}" if route.fault else ""
+            fault = route.fault
+            self._route_fault = f"unusable route: {fault}" if fault else ""
         except Exception as error:  # noqa: BLE001 -- not even shaped like a route
             self._route_fault = f"unusable route: {error!r}"
         self._route = None if self._route_fault else route

@@ -301,6 +301,9 @@ class Simulation:
             str(self.network.path),
             "-r",
             str(routes),
+            # Only overlap forbids an entry: the scenario says where everyone is, and so does who varies it.
+            "--insertion-checks",
+            "collision",
             "--lateral-resolution",
             f"{LATERAL_RESOLUTION:g}",
             *arguments,

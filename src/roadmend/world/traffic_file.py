@@ -71,8 +71,6 @@ def _add_vehicle(
             "departLane": str(lane_number),
             "departPos": f"{vehicle.position:.2f}",
             "departSpeed": entry_speed(vehicle, float(attributes["speedFactor"]), limit),
-            # Only overlap forbids an entry: the scenario says where everyone is.
-            "insertionChecks": "collision",
         },
     )
     ET.SubElement(element, "route", edges=" ".join(vehicle.route))

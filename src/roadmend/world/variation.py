@@ -90,7 +90,7 @@ def _vary_driver(name: str, varied: _Habits) -> None:
 
 
 def _postpone(actor: Vehicle, depart: float, hurry: float) -> None:
-    """Let somebody who is still to come do so at another time [s]; waits there for room, unlike at first.
+    """Let somebody who is still to come do so at another time [s].
 
     At the scenario's speed, as far as a driver goes so fast who is about to want ``hurry`` times as much.
     """
