@@ -8,9 +8,18 @@ import pytest
 from harness.benchmark_content import build_content, case_table
 from harness.benchmark_files import read_json
 from harness.benchmark_tables import all_tables
-from harness.kept_rows import check_sizes, keep_cases, keep_controls, keep_cost, keep_ordinary, keep_robustness
+from harness.kept_rows import (
+    check_sizes,
+    keep_cases,
+    keep_controls,
+    keep_cost,
+    keep_ordinary,
+    keep_robustness,
+    paired_cases,
+)
 from harness.options import PLANS
 from roadmend.core.errors import InputError
+from roadmend.measures.repair import intervals_of
 from roadmend.reports.result_files import origin
 from tests.benchmarks.made_up import MADE, measured
 from tests.measures.results import run
@@ -294,3 +303,13 @@ def test_searches_that_were_not_run_are_kept_if_they_were_as_long():
     assert fresh["provenance"]["kept"][0]["methods"] == ["none"]
     with pytest.raises(InputError, match="did not search alike"):
         keep_robustness(study_of(LATER, budget=50, adreft=3), study_of(none=9), ORDER)
+
+
+@pytest.mark.parametrize("stem", ["adreft", "adreft-fresh-20263"])
+def test_the_committed_intervals_are_those_of_the_committed_cases(stem):
+    content, cases = read_json(PLANS / f"{stem}.json"), read_json(PLANS / f"{stem}-cases.json")
+    for policy, table in cases.items():
+        for method in table["methods"]:
+            told = content["summary"][policy][method]["intervals"]
+            found = intervals_of(paired_cases(table, method))
+            assert {name: pytest.approx(each) for name, each in told.items()} == found, (policy, method)

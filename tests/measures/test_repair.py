@@ -8,8 +8,8 @@ from roadmend.measures.repair import (
     PairedCase,
     advantage,
     advantage_of,
-    amount_intervals,
     delta_e_interval,
+    intervals_of,
     share_interval,
     share_of_bound,
     summarise,
@@ -103,8 +103,9 @@ def test_so_they_do_for_shares_and_doses():
     for names in (kin, strangers):
         low, high = share_interval([(name, letter == "G") for name, letter in zip(names, "GGGCCCGGGCCC", strict=True)])
         cases = named("GGGCCCGGGCCC", names, [True] * 12)
-        cases = [replace(case, dose=float(case.reached_goal)) for case in cases]
-        amounts = amount_intervals(cases, [(20.0 * case.dose, 30 * case.reached_goal) for case in cases])
+        amounts = intervals_of(
+            [replace(each, dose=float(each.reached_goal), frames=30 * each.reached_goal) for each in cases]
+        )
         widths[names[0]] = [
             high - low,
             *(amounts[name][1] - amounts[name][0] for name in ("dose", "intervened_frames")),

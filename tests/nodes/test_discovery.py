@@ -8,7 +8,7 @@ from std_msgs.msg import Float64
 
 from roadmend.core.errors import InputError
 from roadmend.nodes import discovery
-from roadmend.nodes.discovery import look_up, request_for
+from roadmend.nodes.discovery import LookUp, look_up, request_for
 
 OFFERS = [
     QoSProfile(depth=depth, reliability=reliability, durability=durability)
@@ -57,3 +57,17 @@ def test_what_cannot_be_taken_in_says_why(monkeypatch):
     monkeypatch.setattr(discovery.importlib, "import_module", fail)
     with pytest.raises(InputError, match=r"^/x: its type cannot be imported .*; install the package std_msgs$"):
         look_up("/x", ["std_msgs/msg/Float64"])
+
+
+def test_a_topic_that_was_refused_is_looked_up_again_with_other_types():
+    told = []
+    topics = LookUp(told.append)
+    several = ["std_msgs/msg/Float64", "std_msgs/msg/String"]
+    assert topics.is_due("/odd", several)
+    assert topics.find("/odd", several) is None
+    assert "has several types" in topics.refused["/odd"]
+    assert not topics.is_due("/odd", several)
+    assert topics.is_due("/odd", several[:1])
+    definition, _ = topics.find("/odd", several[:1])
+    assert definition.type_name == several[0]
+    assert (topics.refused, len(told)) == ({}, 1)

@@ -19,19 +19,31 @@ Value = TypeVar("Value", float, Floats)
 
 @dataclass(frozen=True, slots=True)
 class PairedCase:
-    """What is needed of a case to hold two methods against each other."""
+    """What is needed of a case to hold two methods against each other, and for the intervals of one."""
 
     case: str
     is_violation: bool
     reached_goal: bool
     collided: bool
     dose: float  # [s]
+    timed_out: bool = False
+    change: float = 0.0  # of the action, summed over frames
+    frames: int = 0  # that were changed
 
     @classmethod
     def of(cls, result: CaseResult) -> "PairedCase":
         """That of a whole result."""
         episode = result.episode
-        return cls(result.case, result.is_violation, episode.reached_goal, episode.collided, episode.dose)
+        return cls(
+            result.case,
+            result.is_violation,
+            episode.reached_goal,
+            episode.collided,
+            episode.dose,
+            episode.timed_out,
+            episode.change,
+            episode.interventions,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,24 +128,27 @@ def delta_e(fix: Value, deg: Value) -> Value:
 
 
 def summarise(results: Sequence[CaseResult]) -> Figures:
-    """The figures with their 95 % intervals in ``intervals``.
+    """The figures with their 95 % intervals in ``intervals``."""
+    return figures_of(results) | {"intervals": intervals_of([*map(PairedCase.of, results)])}
+
+
+def intervals_of(cases: Sequence[PairedCase]) -> dict[str, list[float] | None]:
+    """The 95 % intervals of a method's figures.
 
     ``share_interval`` for shares, ``delta_e_interval`` for delta_e, the bootstrap over searches, drawn within violations
     and successes, for the rest; that is None where all violations, and all successes, are of one search.
     """
-    split = Split.of(results)
-    violations, successes = split.violations, split.successes
-    figures = figures_of(results)
-    figures["intervals"] = {
-        "fix": share_interval([(each.case, each.episode.reached_goal) for each in violations]),
-        "deg": share_interval([(each.case, each.episode.collided) for each in successes]),
-        "delta_e": delta_e_interval([*map(PairedCase.of, results)]),
-        "fix_loose": share_interval([(each.case, not each.episode.collided) for each in violations]),
-        "stopped": share_interval([(each.case, each.episode.timed_out) for each in violations]),
-        "goal_lost": share_interval([(each.case, not each.episode.reached_goal) for each in successes]),
-        **_bootstraps(split),
+    violations = [case for case in cases if case.is_violation]
+    successes = [case for case in cases if not case.is_violation]
+    return {
+        "fix": share_interval([(each.case, each.reached_goal) for each in violations]),
+        "deg": share_interval([(each.case, each.collided) for each in successes]),
+        "delta_e": delta_e_interval(cases),
+        "fix_loose": share_interval([(each.case, not each.collided) for each in violations]),
+        "stopped": share_interval([(each.case, each.timed_out) for each in violations]),
+        "goal_lost": share_interval([(each.case, not each.reached_goal) for each in successes]),
+        **_bootstraps(cases),
     }
-    return figures
 
 
 def share_interval(cases: Sequence[tuple[str, bool]]) -> list[float] | None:
@@ -258,26 +273,10 @@ def share_of_bound(results: Sequence[CaseResult], bound: Mapping[str, CaseResult
     }
 
 
-def _bootstraps(split: Split) -> dict[str, list[float] | None]:
-    """Of dose, change and replaced frames of cases."""
-    results = [*split.violations, *split.successes]
-    return amount_intervals(
-        [*map(PairedCase.of, results)], [(each.episode.change, each.episode.interventions) for each in results]
-    )
-
-
-def amount_intervals(
-    cases: Sequence[PairedCase], changes: Sequence[tuple[float, int]]
-) -> dict[str, list[float] | None]:
-    """The 95 % intervals of ``intensity``, ``dose`` and ``intervened_frames``: the bootstrap over searches.
-
-    Args:
-        cases: of one method.
-        changes: of each, by how much frames were changed in sum, and how many were.
-    """
+def _bootstraps(cases: Sequence[PairedCase]) -> dict[str, list[float] | None]:
     if not cases:
         return dict.fromkeys(("intensity", "dose", "intervened_frames"))
-    rows = [(case.dose, 1.0, change, frames) for case, (change, frames) in zip(cases, changes, strict=True)]
+    rows = [(case.dose, 1.0, case.change, case.frames) for case in cases]
     tables = _by_search(cases, rows)
     if all(len(table) < 2 for table in tables):  # nothing can be drawn but what there is
         return dict.fromkeys(("intensity", "dose", "intervened_frames"))

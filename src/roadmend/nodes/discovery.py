@@ -1,7 +1,7 @@
 """Topics that others publish: who does, the class of their messages, and the QoS that matches all offers."""
 
 import importlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -26,6 +26,34 @@ def look_up(name: str, types: Sequence[str]) -> tuple[Definition, Any]:
         return definition, getattr(importlib.import_module(f"{package}.msg"), kind)
     except (ImportError, AttributeError) as error:
         raise InputError(name, f"its type cannot be imported ({error})", f"install the package {package}") from error
+
+
+class LookUp:
+    """Looks topics up; one that could not be is looked up again once it has other types.
+
+    Args:
+        complain: called with why a topic could not be looked up.
+    """
+
+    def __init__(self, complain: Callable[[InputError], None]) -> None:
+        self.refused: dict[str, str] = {}  # topic and why
+        self._types: dict[str, list[str]] = {}  # with which it was refused last
+        self._complain = complain
+
+    def is_due(self, name: str, types: list[str]) -> bool:
+        """Whether a topic was not refused with these types already."""
+        return self._types.get(name) != types
+
+    def find(self, name: str, types: list[str]) -> tuple[Definition, Any] | None:
+        """Definition and class of a topic's messages; None where it is refused."""
+        try:
+            found = look_up(name, types)
+        except InputError as error:
+            self.refused[name], self._types[name] = str(error), types
+            self._complain(error)
+            return None
+        self.refused.pop(name, None)
+        return found
 
 
 def node_of(endpoint: Any) -> str:

@@ -15,7 +15,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.discovery import look_up, request_for
+from roadmend.nodes.discovery import LookUp, request_for
 from roadmend.nodes.needed import needed
 from roadmend.nodes.origin_gate import OriginGate, hidden_address
 from roadmend.nodes.parameters import declare_parameters
@@ -68,8 +68,7 @@ class FoxgloveNode(Node):
         self._configuration = ConfigurationAnnouncer(self, "foxglove")
         self._timekeeper = Timekeeper()
         self._bridged: dict[str, _Bridged] = {}
-        self._skipped: dict[str, str] = {}  # topic and why
-        self._refused: dict[str, list[str]] = {}  # the types for which it is skipped; with others it is tried again
+        self._look_up = LookUp(lambda error: self.get_logger().error(f"not shown: {error}"))
         self._wishes: deque[tuple[str, int]] = deque()  # topics, and clients come (+1) or gone (-1)
         self._told_ns = -1  # [ns] time that clients know of
         self._refusals: dict[str, str] = {}  # parameter and why its last value was refused
@@ -113,16 +112,14 @@ class FoxgloveNode(Node):
                 # of it would arrive.
                 if bridged.subscription is not None and self.count_publishers(name):
                     self._subscribe(name, bridged)
-            elif self._refused.get(name) != types and "/_" not in name and self.count_publishers(name):
+            elif self._look_up.is_due(name, types) and "/_" not in name and self.count_publishers(name):
                 self._begin(name, types)
 
     def _begin(self, name: str, types: list[str]) -> None:
-        try:
-            definition, message_type = look_up(name, types)
-        except InputError as error:
-            self._skipped[name], self._refused[name] = str(error), types
-            self.get_logger().error(f"not shown: {error}")
+        found = self._look_up.find(name, types)
+        if found is None:
             return
+        definition, message_type = found
         schema = foxglove.Schema(name=definition.type_name, encoding="ros2msg", data=definition.text.encode())
         # The SDK tells its clients of a channel and only then takes note that they may subscribe to it: who is quick is
         # refused, and no viewer asks twice.
@@ -141,7 +138,6 @@ class FoxgloveNode(Node):
                 self._server.clear_session()  # a new episode, or a replay from the start: what was drawn is history
             channel.log(data, log_time=time_ns)
 
-        self._skipped.pop(name, None)
         self._bridged[name] = bridged = _Bridged(channel, message_type, pass_on)
         if is_clock:  # which is followed even where nobody looks at it
             bridged.clients += 1
@@ -192,12 +188,12 @@ class FoxgloveNode(Node):
             "topics passed on": sum(bridged.subscription is not None for bridged in self._bridged.values()),
             "connections refused by their origin": self._gate.refused,
         }
-        values |= {f"not shown: {name}": why for name, why in self._skipped.items()}
+        values |= {f"not shown: {name}": why for name, why in self._look_up.refused.items()}
         refusals = {f"refused: {name}": why for name, why in dict(self._refusals).items()}
         if refusals:
             return Health(Level.WARN, "a parameter's new value was refused", values | refusals)
-        if self._skipped:
-            return Health(Level.WARN, f"{len(self._skipped)} topics not shown", values)
+        if self._look_up.refused:
+            return Health(Level.WARN, f"{len(self._look_up.refused)} topics not shown", values)
         return Health(Level.OK, "serving", values)
 
 

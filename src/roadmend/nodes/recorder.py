@@ -27,7 +27,7 @@ from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
 from roadmend.nodes.announcement import UNKNOWN
 from roadmend.nodes.configuration import Announcements, ConfigurationAnnouncer
-from roadmend.nodes.discovery import look_up, request_for
+from roadmend.nodes.discovery import LookUp, request_for
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.qos import offer_from
 from roadmend.nodes.recorder_drain import drain
@@ -136,8 +136,7 @@ class RecorderNode(Node):
         self._drain_limit, self._summary = settings.drain_limit, settings.summary
         self._is_drained = True  # whether all that was sent before the end came
         self._recorded: dict[str, _Recorded] = {}
-        self._skipped: dict[str, str] = {}  # topic and why
-        self._refused: dict[str, list[str]] = {}  # the types for which it is skipped; with others it is tried again
+        self._look_up = LookUp(lambda error: self.get_logger().error(f"not recorded: {error}"))
         self._outcome: Event | None = None
         self._events_topic = self.resolve_topic_name(topics.EVENTS)
         self._to_diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, qos.DIAGNOSTIC)
@@ -220,19 +219,17 @@ class RecorderNode(Node):
             recorded = self._recorded.get(name)
             if recorded is not None:
                 self._subscribe(name, recorded)
-            elif self._refused.get(name) != types and self._is_wanted(name) and self.count_publishers(name):
+            elif self._look_up.is_due(name, types) and self._is_wanted(name) and self.count_publishers(name):
                 self._begin(name, types)
 
     def _is_wanted(self, name: str) -> bool:
         return not ("/_" in name or self._exclude.search(name) or not self._include.search(name))
 
     def _begin(self, name: str, types: list[str]) -> None:
-        try:
-            definition, message_type = look_up(name, types)
-        except InputError as error:
-            self._skipped[name], self._refused[name] = str(error), types
-            self.get_logger().error(f"not recorded: {error}")
+        found = self._look_up.find(name, types)
+        if found is None:
             return
+        definition, message_type = found
         callback = self._callback(name, self._timekeeper.rule_for(definition))
         if name == self._events_topic and message_type is ScenarioEvent:
             callback = self._watching(callback)
@@ -241,7 +238,6 @@ class RecorderNode(Node):
         recorded = _Recorded(definition, message_type, callback)
         self._subscribe(name, recorded)
         self._recorded[name] = recorded
-        self._skipped.pop(name, None)
 
     def _callback(self, name: str, time_of: Callable[[bytes], int]) -> Callback:
         """The hot path: what happens with each message."""
@@ -365,9 +361,9 @@ class RecorderNode(Node):
     def _report(self) -> None:
         status = DiagnosticStatus(name=f"{self.get_name()}: bag", hardware_id="roadmend", level=DiagnosticStatus.OK)
         status.message = f"recording {len(self._recorded)} topics"
-        if self._lost or self._skipped:
+        if self._lost or self._look_up.refused:
             status.level = DiagnosticStatus.WARN
-            status.message = f"{self._lost} messages lost, {len(self._skipped)} topics not recorded"
+            status.message = f"{self._lost} messages lost, {len(self._look_up.refused)} topics not recorded"
         if self._error is not None:
             status.level = DiagnosticStatus.ERROR
             status.message = f"{self._error}; nothing more is recorded"
@@ -381,7 +377,7 @@ class RecorderNode(Node):
             "stamps from the wall clock": str(self._timekeeper.wall_stamps),
         }
         figures |= {f"lost on {name}": str(one.lost) for name, one in self._recorded.items() if one.lost}
-        figures |= {f"not recorded: {name}": why for name, why in self._skipped.items()}
+        figures |= {f"not recorded: {name}": why for name, why in self._look_up.refused.items()}
         status.values = [KeyValue(key=key, value=value) for key, value in figures.items()]
         message = DiagnosticArray(status=[status])
         message.header.stamp = Time(nanoseconds=self._timekeeper.now_ns).to_msg()

@@ -11,7 +11,8 @@ from typing import Any
 from harness.adreft_cost import EAGER
 from harness.benchmark_content import OURS
 from roadmend.core.errors import InputError
-from roadmend.measures.repair import PairedCase, advantage_of, delta_e_interval
+from roadmend.core.tick import INTERVAL
+from roadmend.measures.repair import PairedCase, advantage_of, intervals_of
 
 Content = dict[str, Any]
 _SIZES = re.compile(r"--(count|networks|drives|futures|curve-count|curve-cases|table-cases) (\d+)")
@@ -278,7 +279,7 @@ def _renew(figures: Content, table: Mapping[str, Any], family: str) -> None:
     """What hangs on single cases, of a family or (empty) of all: intervals, and ADReFT's lead, one of the two kept."""
     paired = {name: paired_cases(table, name, family) for name in table["methods"]}
     for name, cases in paired.items():
-        figures[name]["intervals"] = {**figures[name]["intervals"], "delta_e": delta_e_interval(cases)}
+        figures[name]["intervals"] = intervals_of(cases)
         if name != OURS and OURS in paired:
             figures[name]["adreft_minus_this"] = advantage_of(paired[OURS], cases)
 
@@ -286,10 +287,18 @@ def _renew(figures: Content, table: Mapping[str, Any], family: str) -> None:
 def paired_cases(table: Mapping[str, Any], method: str, family: str = "") -> list[PairedCase]:
     """What a method came to in the cases of a committed table, of a family or (empty) of all."""
     columns = table["methods"][method]
-    rows = zip(table["names"], table["families"], table["alone"], columns["outcomes"], columns["doses"], strict=True)
+    rows = zip(
+        table["names"],
+        table["families"],
+        table["alone"],
+        columns["outcomes"],
+        columns["doses"],
+        columns["frames"],
+        strict=True,
+    )
     return [
-        PairedCase(name, alone == "C", outcome == "G", outcome == "C", dose)
-        for name, of, alone, outcome, dose in rows
+        PairedCase(name, alone == "C", outcome == "G", outcome == "C", dose, outcome == "T", dose / INTERVAL, frames)
+        for name, of, alone, outcome, dose, frames in rows
         if family in ("", of)
     ]
 
