@@ -171,9 +171,19 @@ def test_of_what_is_likely_not_told_nothing_is_claimed(network):
         shares = np.full(len(asked.values), 0.01)
         shares[0] = 1.0 - shares[1:].sum()
         answers.text[name] = shares
-    claims = [each for each in reader._claims(answers, (0, 1)) if hasattr(each, "path")]
+    claims = [each for each in reader._claims(frozenset(), answers, (0, 1)) if hasattr(each, "path")]
     assert {each.path for each in claims} >= {"road_type", "stem_direction"}
     assert not {each.path for each in claims} & {"env.time", "env.weather", "num_lanes"}
+
+
+def test_a_limit_is_claimed_only_of_numbers_that_may_be_one(network):
+    reader = TrainedReader(network)
+    answers = reader.answers(CRASH)
+    asked = next(each for each in OF_VEHICLE if each.name == "speed_limit")
+    first, second = (value for value in asked.values[1:3])
+    answers.vehicles["speed_limit"][0] = [0.5 * (value in {first, second}) for value in asked.values]
+    claims = [each for each in reader._claims(frozenset({second}), answers, (0, 1)) if hasattr(each, "path")]
+    assert {each.value for each in claims if each.path == "vehicles[0].speed_limit_mph"} == {second}
 
 
 def test_names_are_those_of_the_rules_or_the_noted_ones(tmp_path):

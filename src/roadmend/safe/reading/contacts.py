@@ -23,11 +23,16 @@ _SURE, _TOLD, _GUESSED = 0.93, 0.55, 0.7
 def read_contacts(text: Text) -> tuple[ContactClaim, ...]:
     """The contacts of a text, in their order, each pair once."""
     found: dict[frozenset[int], ContactClaim] = {}
+    backing = set[int]()
     for before, clause in itertools.pairwise((None, *text.clauses)):
         if clause is None:
             continue
-        for contact in (*_of_clause(clause, text.count), *_ends_met(before, clause)):
-            pair = frozenset({contact.striking, contact.struck})
+        if clause.kind == "reverse" and clause.is_real:
+            backing.update(clause.subject.vehicles)
+        for told in (*_of_clause(clause, text.count), *_ends_met(before, clause)):
+            pair = frozenset({told.striking, told.struck})
+            backs = told.striking in backing and told.striking_side is Side.FRONT and clause.subject.part is None
+            contact = replace(told, striking_side=Side.REAR) if backs else told
             found[pair] = joined(found[pair], contact) if pair in found else contact
     strong = [each for each in found.values() if each.confidence > 0.5] or list(found.values())
     return tuple(replace(each, order=place) for place, each in enumerate(strong))
@@ -75,6 +80,10 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
         return
     if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
+    between = next((actor for lead, actor in clause.others if lead.low == "between" and len(actor.vehicles) == 2), None)
+    if between is not None and not me.vehicles:
+        yield _contact(clause, *between.vehicles, None, None, _TOLD)
+        return
     if clause.tail.cut(0, 4).says(word_set("own_things")) and not clause.is_passive:
         return  # "hit his head", "slammed on its brakes"
     each_other = clause.object is not None and clause.object.vehicles == me.vehicles
@@ -86,6 +95,8 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     strikers, struck = me.vehicles, target.vehicles if target is not None else ()
     if clause.is_passive:
         strikers, struck, mine, theirs = struck, strikers, theirs, mine
+    if not strikers and len(struck) == 2:  # "a collision between V1 and V2"
+        strikers, struck = struck[:1], struck[1:]
     wielded = [actor for lead, actor in clause.others if lead.low == "with" and actor.part and actor.vehicles]
     if wielded and not clause.is_passive and wielded[0].vehicles != strikers and len(wielded[0].vehicles) == 1:
         strikers, mine = wielded[0].vehicles, wielded[0].part  # "she hit him with the front of the Ford": the Ford did
@@ -93,7 +104,9 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     sure = _SURE if kind in STRIKES else 0.75 if kind == "collide" else _TOLD
     hints = target is not None or mine or theirs or clause.is_passive
     of_thing = any(lead.low == "of" and actor == replace(NOBODY, span=actor.span) for lead, actor in clause.others)
-    hits_thing = of_thing or clause.tail.cut(0, 6).has("object", "walker")  # "the edge of the trailer" is no vehicle's
+    named = clause.head if clause.is_passive and not me.vehicles else clause.tail.cut(0, 6)
+    walker = target is not None and not target.vehicles and target.is_person
+    hits_thing = of_thing or walker or named.has("object", "walker")  # "the edge of the trailer" is no vehicle's
     if count == 2 and kind in STRIKES and hints and not hits_thing and bool(strikers) != bool(struck):
         known, sure = (strikers or struck)[0], _GUESSED  # of two, it was the other one
         strikers, struck = (strikers or (1 - known,)), (struck or (1 - known,))

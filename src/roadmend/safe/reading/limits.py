@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import KM_PER_MILE, MAX_SPEED_LIMIT, Position
 from roadmend.safe.reading.facts import AXES, Text, claim, direction, of_vehicle
+from roadmend.safe.reading.heads import YEARS
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 from roadmend.safe.reading.wording import Wording, patterns, wording
@@ -31,6 +32,7 @@ _METRIC = re.compile(
 _REACH = 9  # words between "limit" and its number
 _FAR_REACH = 19  # where the number has a unit
 _LEAST = 5
+_JOINED = 6  # words before a number, in which "and" joins two roads that it is posted on
 _ROAD_REACH = 5  # words from "on" to the name of a road
 _LEADS_ROAD = ("determiner", "road", "bound", "compass", "descriptor")
 _ON_ROAD = frozenset({"", "travel", "approach", "stop", "emerge", "slow", "continue"})
@@ -73,6 +75,22 @@ def read_limits(text: Text) -> tuple[PostedLimit, ...]:
         other = next(axis for name, axis in AXES.items() if name not in axes)
         found = [replace(each, ways=other) if each.kind in word_set("minor_roads") else each for each in found]
     return tuple(dict.fromkeys(found))
+
+
+def possible_limits(text: Text) -> frozenset[int]:
+    """Every number of a text that may be a limit [mph], however it is put: none of a road, nor a speed that was driven."""
+    found = set[int]()
+    for sentence in text.sentences:
+        told = wording(sentence)
+        for place, item in enumerate(sentence.items):
+            number = item.get("number")
+            if not isinstance(number, int | float) or not _LEAST <= number <= MAX_SPEED_LIMIT * KM_PER_MILE:
+                continue
+            driven = sentence.items.at(place + 1).is_a("mph") and _is_no_limit(told, place)
+            of_road = _is_road_number(sentence.items, place) and sentence.items.at(place - 1).low != "a"  # "it's a 45"
+            if not driven and not of_road:
+                found |= {round(number), round(number / KM_PER_MILE)}
+    return frozenset(found)
 
 
 def _of_sentence(sentence: Sentence, text: Text, usual: str) -> Iterator[PostedLimit]:
@@ -210,7 +228,10 @@ def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: S
     told = after.cut(0, 5) if after.cut(0, 1).says({"for", "on", "along"}) else Words()
     kinds = [*filter(None, (_kind_of_road(told, at) for at in range(len(told))))]
     kinds = kinds or [*filter(None, (_kind_of_road(items, at) for at in range(place - 1, begin - 1, -1)))]
-    limit = replace(limit, kind=kinds[0] if kinds else "")
+    joined = len(set(kinds)) > 1 and Words(before[-_JOINED:]).says(
+        {"and"}
+    )  # "on the expressway, and on the ramp, is 50"
+    limit = replace(limit, kind=kinds[0] if kinds and not joined else "")
     for part in (after if after.cut(0, 2).says({"for", "on", "in", "along", "both"}) else Words(), before):
         if part.says({"both"}):
             return limit
@@ -247,6 +268,8 @@ def _is_road_name(part: Words, at: int, start: int) -> bool:
 def _kind_of_road(words: Words, at: int) -> str:
     """What kind of road a word speaks of, "county road", "avenue", "valley road"; empty for any road, or for none."""
     item, before = words.at(at), words.at(at - 1)
+    if item.is_a("ramp"):
+        return "ramp"
     if not item.is_a("road"):
         return ""
     if item.low not in word_set("any_road"):
@@ -257,7 +280,7 @@ def _kind_of_road(words: Words, at: int) -> str:
 def _is_road_number(words: Words, at: int) -> bool:
     """Whether a number is a road's: "Route 12", "US-20", "the A257"."""
     item, before = words[at], words.at(at - 1)
-    lead = before.is_a("road") or before.low in word_set("road_numbers")
+    lead = before.is_a("road") or (before.low in word_set("road_numbers") and item.get("number") not in YEARS)
     return item.is_a("number") and lead and not words.at(at + 1).is_a("mph", "lane")
 
 
@@ -281,7 +304,7 @@ def claim_limits(text: Text, limits: Sequence[PostedLimit]) -> Iterator[Claim]:
         elif posted & mine:
             sure = limit.confidence
         elif posted and (elsewhere or (mine and several)):
-            sure = 0.62 if not mine else 0.3 if several else 0.55
+            sure = 0.62 if not mine else 0.3 if several or "ramp" in posted else 0.55
         elif (limit.ways or limit.lanes) and not posted:
             continue
         reason = "the limit posted there" if sure > 0.5 else "a limit posted elsewhere"
@@ -293,9 +316,11 @@ def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
     found: dict[int, set[str]] = {}
     for clause in text.clauses:
         words = clause.words
-        for place, item in enumerate(words if clause.kind in _ON_ROAD else ()):
-            if item.low not in word_set("by_road"):
-                continue
+        is_on = (
+            len(clause.head) - 1 if clause.kind == "travel" and clause.lemma == "be" else None
+        )  # "was on Oak Street"
+        leads = {place for place, item in enumerate(words) if item.low in word_set("by_road")} | ({is_on} - {None})
+        for place in sorted(leads) if clause.kind in _ON_ROAD else ():
             for at in range(place + 1, min(place + _ROAD_REACH, len(words))):
                 after, number, kind = words[at], _is_road_number(words, at), _kind_of_road(words, at)
                 if kind:
@@ -304,7 +329,7 @@ def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
                 if number or ((after.is_name or after.is_a("ordinal")) and after.low not in word_set("weekdays")):
                     for vehicle in clause.subject.vehicles:
                         found.setdefault(vehicle, set()).add(_name(after))
-                leads = after.is_name or after.is_a("ordinal", *_LEADS_ROAD) or words.at(at + 1).is_a("road")
-                if number or not leads:
+                goes_on = after.is_name or after.is_a("ordinal", *_LEADS_ROAD) or words.at(at + 1).is_a("road")
+                if number or not goes_on:
                     break
     return found

@@ -62,7 +62,7 @@ def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float,
             yield "action", Action.MOVE_FORWARD, 0.85, "it is said to go straight on", straight.span
     if kind == "uturn":
         yield "action", Action.TURN_LEFT, 0.9, "a U-turn leads to the left", clause.span
-    meant = bool(governed & {"intend", "avoid"})
+    meant = bool(governed & {"intend", "avoid", "fail"})
     found = _manoeuvre(clause)
     if found is not None and not (meant and kind in {"stop", "drift", "depart"}):
         yield "manoeuvre", *found, "the text says so", clause.span
@@ -75,7 +75,7 @@ def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
         return Manoeuvre.PARKED, 0.9
     if kind == "stop" or (stood.has("stationary") and clause.subject.part is None):
         return Manoeuvre.STOP, 0.75
-    if kind in _STRAYS and words.has("centerline", "wrong"):
+    if kind in _STRAYS and (words.has("centerline", "wrong") or (kind != "change_lane" and _enters_own_lane(words))):
         return Manoeuvre.ENTER_THE_WRONG_WAY, 0.85
     if kind == "change_lane":
         return Manoeuvre.MERGE if clause.lemma in {"merge", "filter", "join"} else Manoeuvre.CHANGING_LANE, 0.8
@@ -90,6 +90,10 @@ def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
         "overtake": (Manoeuvre.OVERTAKE, 0.7),
     }
     return plain.get(kind)
+
+
+def _enters_own_lane(words: Words) -> bool:
+    return any(each.is_a("own_lane") and words.at(at - 1).low in word_set("into") for at, each in enumerate(words))
 
 
 def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:

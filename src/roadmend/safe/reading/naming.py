@@ -217,6 +217,8 @@ def _described(items: Words, place: int, known: Collection[str]) -> Mention | No
     if items.at(place - 1).low == "/" and items.at(place - 2).low == "w" and items[place].is_a("body"):
         return None  # "a Mack w/ tanker"
     first, last, article, described = read_group(items, place)
+    again = items.at(last + 1).low in word_set("named_vehicle") and not items.at(last + 2).is_a("number")
+    last += bool(described.names) and again  # "the Honda vehicle"
     is_plural = items[last].low.endswith("s") and items[last].is_a("body") and not described.names
     is_plural &= not (article.get("pronoun") in {"own", "its"} and items.at(last + 1).is_a("part"))  # "my trucks grill"
     if (is_plural and not items[last].low.endswith("bus")) or article.low in {"both", "two", "all"}:

@@ -61,6 +61,9 @@ class _SentenceReader:
             clause = self._clause(at)
             if clause is not None:
                 found.append(clause)
+                self.referents.walks |= any(
+                    item.is_a("walker") and item.get("walker") != "animal" for item in clause.words
+                )
                 if clause.subject.vehicles:
                     self.referents.focus = clause.subject
         return sorted([*found, *self._verbless()], key=lambda each: each.span.end)
@@ -168,7 +171,7 @@ class _SentenceReader:
         governed = self._governed(at)
         for child in self.tree.children(at, *SUBJECTS):
             if self.items[child].is_a("relative") and arc.relation in {"relcl", "acl"}:
-                return self._described(arc.head), governed
+                return self._described(self._antecedent(child, arc.head)), governed
             if self._is_weather(child, at):
                 return NOBODY, governed
             if self.items[child].low in {"it", "which"} and self.referents.is_road:
@@ -184,6 +187,11 @@ class _SentenceReader:
             return self._named(child, Role.SUBJECT, kind), governed
         if arc.relation in {"relcl", "acl"}:
             return self._described(arc.head), governed
+        if kind in STRIKES and (driven := self._before_aside(at)) is not None:
+            return driven, governed
+        beside = next((each for each in self.groups if each.last == at - 1), None)
+        if kind in STRIKES and beside is not None and self._lead(beside) is None:
+            return self._actor(beside, Role.SUBJECT), governed
         up = next((each for each in self.tree.chain(at) if self._is_predicate(each)), None)
         if up is not None:
             above = self._clause(up)
@@ -205,6 +213,24 @@ class _SentenceReader:
         ):
             return self._named(behind, Role.SUBJECT, kind), governed  # "To my right was a van", "Out rolls a van"
         return self._before(at), governed
+
+    def _before_aside(self, at: int) -> Actor | None:
+        """Who does what stands behind an aside in commas: "Jones, driving a Ford, struck him"."""
+        opened = next((place for place in range(at - 2, 0, -1) if self.items[place].low == ","), 0)
+        if self.items.at(at - 1).low != "," or not opened:
+            return None
+        verb = self.items[opened + 1].verb
+        inside = (each for each in self.groups if opened < each.first and each.last < at and each.mention is not None)
+        group = self._group(opened - 1) or (next(inside, None) if verb is not None and verb.form == "ing" else None)
+        return self._actor(group, Role.SUBJECT) if group is not None and self._lead(group) is None else None
+
+    def _antecedent(self, relative: int, head: int) -> int:
+        """The head of whom "which" and "who" speak: the group right before it, whatever the parser hung it to."""
+        at = relative - 1
+        while self.items.at(at).low in {",", ")"}:
+            at -= 1
+        group = self._group(at)
+        return head if group is None else group.top
 
     def _is_drivers(self, at: int, child: int) -> bool:
         """Whether only who drives can do what a verb says, and its subject is nobody who could: the parser erred."""
@@ -277,8 +303,10 @@ class _SentenceReader:
         verb = self.items[at].verb
         if self.tree.has(at, "auxpass", "nsubjpass", "agent"):
             return True
+        if self.tree.has(at, "dobj", "obj"):
+            return False  # "and struck him": what is done to somebody else
         reduced = self.tree[at].relation == "acl" and verb is not None and verb.form in {"both", "participle"}
-        if reduced:
+        if reduced and verb is not None and verb.kind != "collide" and not self._has_object(at):
             return True
         after = self.items.at(at + 1)
         by = verb is not None and verb.kind in STRIKES and after.low == "by"
@@ -286,6 +314,11 @@ class _SentenceReader:
         up = self.tree[at].head
         shared = conj and up in self.made and self.made[up].is_passive and not self.tree.has(at, *SUBJECTS, "aux")
         return by or shared
+
+    def _has_object(self, at: int) -> bool:
+        """Whether somebody is named right behind a verb without a preposition: what is done to its subject has no object."""
+        after = self._group(at + 1)
+        return after is not None and after.first == at + 1
 
     def _is_denied(self, at: int) -> bool:
         verb, near = self.items[at].verb, self.items.cut(at - 3, at)

@@ -64,6 +64,7 @@ class Referents:
     focus: Actor = NOBODY  # the last subject
     thing: tuple[int, ...] = ()  # the last one spoken of that is no person
     recent: list[int] = field(default_factory=list)
+    walks: bool = False
     is_road: bool = False  # whether the last thing that did something was a road
     genders: dict[int, str] = field(default_factory=dict)
 
@@ -89,6 +90,8 @@ class Referents:
         if len(vehicles) == 1 and gender and is_sure:
             self.genders.setdefault(vehicles[0], gender)
         actor = Actor(vehicles, None, mention.is_person, mention.span, gender)
+        if vehicles and mention.is_person:
+            self.walks = False
         if vehicles:
             self.thing = self.thing if mention.is_person else vehicles[:1]
             self.recent += vehicles
@@ -107,6 +110,8 @@ class Referents:
             first.low == "they" and (kind == "collide" or items.at(mention.last + 1).low in _PLURAL)
         ):
             return self._both()
+        if self.walks and mention.kind is MentionKind.ONE and role is Role.OBJECT:
+            return ()  # the cyclist, the pedestrian
         if mention.kind is MentionKind.OTHER:
             before = subject.vehicles or self.focus.vehicles or tuple(self.recent[-1:])
             rest = [each for each in range(self.count) if each not in before]

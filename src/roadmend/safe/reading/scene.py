@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from roadmend.safe.claims import AnyClaim, Claim, ContactClaim, DirectionClaim, WayRelation
+from roadmend.safe.claims import AnyClaim, Claim, ClaimSource, ContactClaim, DirectionClaim, WayRelation
 from roadmend.safe.compass import DIRECTIONS, TOWARDS, turned
 from roadmend.safe.dsl import Action, Compass, Manoeuvre, RoadType
 from roadmend.safe.reading.geometry import JUNCTIONS, StatedWay, explains, fits_road, holds
@@ -198,7 +198,10 @@ class _Scene:
             if {each.first, each.second} == {one, other}:
                 held = holds(each.relation, ways[each.first].heading, ways[each.second].heading)
                 weight += log_odds(each.confidence) * held
-        if not any({each.first, each.second} == {one, other} for each in self.relations):
+        if not any(
+            {each.first, each.second} == {one, other} and each.source is not ClaimSource.TRAINED
+            for each in self.relations
+        ):
             weight += self._by_manoeuvre(one, other, first, second)
         contact = next((each for each in self.contacts if {each.striking, each.struck} == {one, other}), None)
         if contact is None and not self.contacts and self.count == 2:  # somehow they met

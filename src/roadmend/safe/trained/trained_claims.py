@@ -12,6 +12,7 @@ from roadmend.core.errors import InputError
 from roadmend.networks.checkpoint import find_model
 from roadmend.safe.claims import AnyClaim, Claim, ClaimSource, DirectionClaim
 from roadmend.safe.dsl import RoadType
+from roadmend.safe.reading.limits import possible_limits
 from roadmend.safe.reading.reader import SummaryClaims
 from roadmend.safe.trained.crash_network import Answers, CrashNetwork
 from roadmend.safe.trained.marked_text import NamedCrash, mark_text
@@ -69,7 +70,7 @@ class TrainedReader:
         found = recast(summary, said, parties, self.trust[_CAST])
         if not 0 < len(found.said.kept) <= SEATS:
             return found.said, ()
-        return found.said, tuple(self._claims(self.answers(found.crash), found.said.kept))
+        return found.said, tuple(self._claims(possible_limits(said.text), self.answers(found.crash), found.said.kept))
 
     def answers(self, crash: NamedCrash) -> Answers:
         """The mean of what it answers, the compass turned by each number of quarters and the answers turned back."""
@@ -79,13 +80,15 @@ class TrainedReader:
         ]
         return Answers(*(_mean([getattr(each, group) for each in found]) for group in ("vehicles", "pairs", "text")))
 
-    def _claims(self, answers: Answers, kept: tuple[int, ...]) -> Iterator[AnyClaim]:
+    def _claims(self, limits: frozenset[int], answers: Answers, kept: tuple[int, ...]) -> Iterator[AnyClaim]:
         merges = ROADS[int(answers.text["road_type"].argmax())] is RoadType.MERGING
         for seat, place in enumerate(kept):
             for asked in OF_VEHICLE:
                 if asked.name == "ramp" and not merges:
                     continue  # elsewhere nobody was asked in training
-                yield from self._of(f"vehicles[{place}].{asked.field}", asked, answers.vehicles[asked.name][seat])
+                for each in self._of(f"vehicles[{place}].{asked.field}", asked, answers.vehicles[asked.name][seat]):
+                    if asked.name != "speed_limit" or each.value in limits:
+                        yield each
         for first in range(len(kept)):
             for second in range(first + 1, len(kept)):
                 shares = answers.pairs[RELATION.name][first, second]
