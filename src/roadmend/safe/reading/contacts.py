@@ -80,9 +80,9 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
         return
     if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
-    between = next((actor for lead, actor in clause.others if lead.low == "between" and len(actor.vehicles) == 2), None)
-    if between is not None and not me.vehicles:
-        yield _contact(clause, *between.vehicles, None, None, _TOLD)
+    between = next((actor.vehicles for lead, actor in clause.others if lead.low == "between"), ())
+    if len(between) == 2 and not me.vehicles:
+        yield _contact(clause, between[0], between[1], None, None, _TOLD)
         return
     if clause.tail.cut(0, 4).says(word_set("own_things")) and not clause.is_passive:
         return  # "hit his head", "slammed on its brakes"

@@ -316,10 +316,9 @@ def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
     found: dict[int, set[str]] = {}
     for clause in text.clauses:
         words = clause.words
-        is_on = (
-            len(clause.head) - 1 if clause.kind == "travel" and clause.lemma == "be" else None
-        )  # "was on Oak Street"
-        leads = {place for place, item in enumerate(words) if item.low in word_set("by_road")} | ({is_on} - {None})
+        leads = {place for place, item in enumerate(words) if item.low in word_set("by_road")}
+        if clause.kind == "travel" and clause.lemma == "be":
+            leads.add(len(clause.head) - 1)  # "was on Oak Street": the verb took its "on" along
         for place in sorted(leads) if clause.kind in _ON_ROAD else ():
             for at in range(place + 1, min(place + _ROAD_REACH, len(words))):
                 after, number, kind = words[at], _is_road_number(words, at), _kind_of_road(words, at)
