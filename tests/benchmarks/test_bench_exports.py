@@ -7,7 +7,7 @@ import pytest
 
 from bench import main
 from harness import bench_exports, outside_readers
-from roadmend.world.scenario import OpenRoadNetwork
+from roadmend.world.scenario_networks import OpenRoadNetwork
 
 
 @pytest.fixture

@@ -24,7 +24,8 @@ from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import Case
 from roadmend.world.families import FAMILIES
 from roadmend.world.runner import run_episode
-from roadmend.world.scenario import Pedestrian, Scenario, Vehicle
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_actors import Pedestrian, Vehicle
 from roadmend.world.scenario_file import load_scenario
 
 HERE = Path(__file__).parent

@@ -24,7 +24,7 @@ from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trials import trial_keys
 from roadmend.world.corpus import Case
 from roadmend.world.families import sample_scenario
-from roadmend.world.scenario import NetworkFile
+from roadmend.world.scenario_networks import NetworkFile
 from tests.core.own_code import METHOD, POLICY
 from tests.safe.crashes import ALL, role
 from tests.training.cases import Drawn

@@ -12,7 +12,7 @@ from roadmend.measures.evaluation_figures import evaluate, evaluation_rows, mean
 from roadmend.measures.registry import Column, Measure
 from roadmend.repair.registry import METHODS
 from roadmend.world.families import sample_scenario
-from roadmend.world.scenario import NetworkFile, SumoConfiguration
+from roadmend.world.scenario_networks import NetworkFile, SumoConfiguration
 
 from .failing import ENTRY, SAID
 from .results import episode

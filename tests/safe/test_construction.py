@@ -10,7 +10,7 @@ from roadmend.safe.casting import WAITED_FOR
 from roadmend.safe.construction import build_scenario, draw_scenario
 from roadmend.safe.dsl import DescribedCollision, DescribedEnvironment, Manoeuvre, Side, Time, Weather
 from roadmend.safe.open_questions import open_questions
-from roadmend.world.scenario import Drift, Follow, Heedless
+from roadmend.world.scenario_actors import Drift, Follow, Heedless
 from roadmend.world.scenario_file import load_scenario, save_scenario
 from roadmend.world.simulation import Simulation
 from roadmend.world.space import sample

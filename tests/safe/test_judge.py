@@ -6,7 +6,9 @@ from roadmend.safe.contact import Part
 from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedManoeuvre, RecordedVehicle
 from roadmend.safe.judge import judge
 from roadmend.safe.likeness import Likeness, run_of
-from roadmend.world.scenario import Arm, Ego, IntersectionNetwork, Scenario, Vehicle
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_actors import Vehicle
+from roadmend.world.scenario_networks import Arm, IntersectionNetwork
 
 from .films import film_of
 

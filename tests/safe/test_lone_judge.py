@@ -17,7 +17,9 @@ from roadmend.safe.likeness import Likeness, run_of
 from roadmend.safe.motion import Motion
 from roadmend.world.impacts import pose_of
 from roadmend.world.obstacle import Obstacle
-from roadmend.world.scenario import Ego, OpenRoadNetwork, Scenario, Vehicle
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_actors import Vehicle
+from roadmend.world.scenario_networks import OpenRoadNetwork
 
 from .films import film_of
 

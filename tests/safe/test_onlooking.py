@@ -15,7 +15,7 @@ from roadmend.safe.motion import LATERAL_BOUND
 from roadmend.safe.open_questions import open_questions
 from roadmend.safe.run_map import beside_its_way, is_on_roadway
 from roadmend.safe.trial import run_trial
-from roadmend.world.scenario import Follow, Heedless, Trigger
+from roadmend.world.scenario_actors import Follow, Heedless, Trigger
 from roadmend.world.scenario_file import load_scenario, save_scenario
 from roadmend.world.space import sample
 

@@ -15,7 +15,13 @@ from roadmend.safe.dsl import Compass
 from roadmend.safe.openscenario import export_scenario
 from roadmend.world.network import network_file
 from roadmend.world.opendrive import write_opendrive
-from roadmend.world.scenario import Arm, HighwayExitNetwork, IntersectionNetwork, OnRampNetwork, OpenRoadNetwork
+from roadmend.world.scenario_networks import (
+    Arm,
+    HighwayExitNetwork,
+    IntersectionNetwork,
+    OnRampNetwork,
+    OpenRoadNetwork,
+)
 
 from .crashes import ALL, role
 

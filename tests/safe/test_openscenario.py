@@ -13,7 +13,9 @@ from roadmend.safe.construction import draw_scenario
 from roadmend.safe.openscenario import export_scenario
 from roadmend.world.families import sample_scenario
 from roadmend.world.network import find_binary
-from roadmend.world.scenario import Brake, CutIn, Drift, Pedestrian, Scenario, SumoConfiguration, Trigger
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_actors import Brake, CutIn, Drift, Pedestrian, Trigger
+from roadmend.world.scenario_networks import SumoConfiguration
 
 from .crashes import ALL, HEAD_ON, crash, role, vehicle
 from .lone import LONE, onlooker

@@ -6,7 +6,9 @@ from roadmend.safe.crash_record import CrashRecord, RecordedManoeuvre, RecordedV
 from roadmend.safe.likeness import run_of
 from roadmend.safe.own_lines import backwards_line, u_turn_line
 from roadmend.safe.way_checks import check_destination
-from roadmend.world.scenario import Ego, Follow, OpenRoadNetwork, Scenario, Trigger, Vehicle
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_actors import Follow, Trigger, Vehicle
+from roadmend.world.scenario_networks import OpenRoadNetwork
 
 from .films import film_of
 

@@ -13,8 +13,10 @@ from roadmend.sera.terms import features
 from roadmend.sera.words import words_of
 from roadmend.world.corpus import load_corpus
 from roadmend.world.families import sample_scenario
-from roadmend.world.scenario import Arm, Ego, IntersectionNetwork, NetworkFile, Pedestrian, Scenario, Vehicle
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_actors import Pedestrian, Vehicle
 from roadmend.world.scenario_file import load_scenario
+from roadmend.world.scenario_networks import Arm, IntersectionNetwork, NetworkFile
 
 CONFIG = Path(__file__).parents[2] / "config"
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roadmend.world.families import sample_scenario
-from roadmend.world.scenario import NetworkFile
+from roadmend.world.scenario_networks import NetworkFile
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ import pytest
 from roadmend.world.clearance import has_clearance
 from roadmend.world.road_network import Connection, Edge, Lane, RoadNetwork
 from roadmend.world.route_builder import build_route
-from roadmend.world.scenario import Ego, NetworkFile, Scenario
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_networks import NetworkFile
 
 
 def edge(name, begin, end, junctions, function="normal"):

@@ -10,17 +10,9 @@ from roadmend.core.command import Command
 from roadmend.core.outcome import EventKind
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.world.courtesy import STANDING, Courtesy
-from roadmend.world.scenario import (
-    Arm,
-    Ego,
-    Environment,
-    IntersectionNetwork,
-    OpenRoadNetwork,
-    RunRightOfWay,
-    Scenario,
-    Trigger,
-    Vehicle,
-)
+from roadmend.world.scenario import Ego, Environment, Scenario
+from roadmend.world.scenario_actors import RunRightOfWay, Trigger, Vehicle
+from roadmend.world.scenario_networks import Arm, IntersectionNetwork, OpenRoadNetwork
 from roadmend.world.simulation import Simulation
 
 STANDS = EgoState.from_yaw(0.0, 0.0, 0.0, 0.0, 0.0, 4.7, 1.85)

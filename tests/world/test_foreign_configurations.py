@@ -15,8 +15,9 @@ from roadmend.repair.registry import make_repairer
 from roadmend.world.network import find_binary
 from roadmend.world.procedural_networks import NetworkRequest, generate_configuration
 from roadmend.world.runner import run_episode
-from roadmend.world.scenario import Ego, Environment, NetworkFile, Scenario, SumoConfiguration
+from roadmend.world.scenario import Ego, Environment, Scenario
 from roadmend.world.scenario_file import drawn_scenarios
+from roadmend.world.scenario_networks import NetworkFile, SumoConfiguration
 from roadmend.world.simulation import Simulation
 
 FLOW = '<flow id="flow{0}" begin="0" end="900" period="15" from="{1}" to="{2}" departLane="best"/>'

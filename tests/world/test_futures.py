@@ -8,7 +8,9 @@ from roadmend.world.corpus import corpus_of
 from roadmend.world.families import sample_scenario
 from roadmend.world.futures import Moment, futures, moment_at, share_of_violations
 from roadmend.world.runner import drive
-from roadmend.world.scenario import Ego, OpenRoadNetwork, Scenario, Vehicle
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_actors import Vehicle
+from roadmend.world.scenario_networks import OpenRoadNetwork
 from roadmend.world.simulation import Simulation
 from roadmend.world.variation import Spread
 

@@ -9,7 +9,9 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.scene import ObjectKind
 from roadmend.world.impacts import pose_of
 from roadmend.world.obstacle import Obstacle
-from roadmend.world.scenario import Ego, Environment, Follow, OpenRoadNetwork, Scenario, Trigger, Vehicle
+from roadmend.world.scenario import Ego, Environment, Scenario
+from roadmend.world.scenario_actors import Follow, Trigger, Vehicle
+from roadmend.world.scenario_networks import OpenRoadNetwork
 from roadmend.world.simulation import Simulation
 
 ROAD = OpenRoadNetwork(lanes=1, backward_lanes=1, length=400.0)

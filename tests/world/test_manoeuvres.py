@@ -9,21 +9,9 @@ import pytest
 from roadmend.core.command import Command
 from roadmend.core.tick import INTERVAL
 from roadmend.world.manoeuvres import _SPEED_MODE_HEEDLESS
-from roadmend.world.scenario import (
-    Arm,
-    Brake,
-    CutIn,
-    Ego,
-    Environment,
-    Heedless,
-    HighwayExitNetwork,
-    IntersectionNetwork,
-    OpenRoadNetwork,
-    RunRightOfWay,
-    Scenario,
-    Trigger,
-    Vehicle,
-)
+from roadmend.world.scenario import Ego, Environment, Scenario
+from roadmend.world.scenario_actors import Brake, CutIn, Heedless, RunRightOfWay, Trigger, Vehicle
+from roadmend.world.scenario_networks import Arm, HighwayExitNetwork, IntersectionNetwork, OpenRoadNetwork
 from roadmend.world.simulation import Simulation
 
 LANE_WIDTH = 3.2  # [m]

@@ -9,19 +9,9 @@ from roadmend.core.command import Command
 from roadmend.core.outcome import EventKind
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
-from roadmend.world.scenario import (
-    Arm,
-    Drift,
-    Ego,
-    Environment,
-    Heedless,
-    IntersectionNetwork,
-    OpenRoadNetwork,
-    ReportOrigin,
-    Scenario,
-    Trigger,
-    Vehicle,
-)
+from roadmend.world.scenario import Ego, Environment, ReportOrigin, Scenario
+from roadmend.world.scenario_actors import Drift, Heedless, Trigger, Vehicle
+from roadmend.world.scenario_networks import Arm, IntersectionNetwork, OpenRoadNetwork
 from roadmend.world.simulation import Simulation
 
 NOW = Trigger(time=0.0)

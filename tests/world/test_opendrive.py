@@ -5,7 +5,7 @@ import pytest
 from roadmend.core.errors import InputError, SimulationError
 from roadmend.world.network import network_file
 from roadmend.world.opendrive import write_opendrive
-from roadmend.world.scenario import OpenRoadNetwork
+from roadmend.world.scenario_networks import OpenRoadNetwork
 
 
 def test_a_network_becomes_one_file_and_nothing_is_left_beside_it(tmp_path):

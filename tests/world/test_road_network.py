@@ -6,7 +6,8 @@ from roadmend.core.errors import InputError
 from roadmend.core.route import RightOfWay
 from roadmend.world.road_network import read_network
 from roadmend.world.route_builder import build_route
-from roadmend.world.scenario import Ego, NetworkFile, Scenario
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_networks import NetworkFile
 
 EDGE = '<edge id="{0}" function="{1}"><lane id="{0}_0" index="0" speed="13.9" length="50" shape="{2}"/></edge>'
 INTO, INSIDE, OUT = "0,0 50,0", "50,0 60,0", "60,0 110,0"

@@ -14,7 +14,9 @@ from roadmend.core.scene import ObjectKind, Signal
 from roadmend.core.tick import INTERVAL
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode
-from roadmend.world.scenario import Brake, Ego, IntersectionNetwork, NetworkFile, OpenRoadNetwork, Scenario, Trigger
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_actors import Brake, Trigger
+from roadmend.world.scenario_networks import IntersectionNetwork, NetworkFile, OpenRoadNetwork
 from roadmend.world.simulation import Simulation
 
 

@@ -7,17 +7,9 @@ import pytest
 
 from roadmend.core.command import Command
 from roadmend.core.tick import INTERVAL
-from roadmend.world.scenario import (
-    Drift,
-    Ego,
-    Environment,
-    Follow,
-    Heedless,
-    OpenRoadNetwork,
-    Scenario,
-    Trigger,
-    Vehicle,
-)
+from roadmend.world.scenario import Ego, Environment, Scenario
+from roadmend.world.scenario_actors import Drift, Follow, Heedless, Trigger, Vehicle
+from roadmend.world.scenario_networks import OpenRoadNetwork
 from roadmend.world.simulation import Simulation
 from roadmend.world.steering import SteeredBody
 

@@ -13,8 +13,10 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.scene import ObjectKind
 from roadmend.world.network import network_file
 from roadmend.world.obstacle import Obstacle
-from roadmend.world.scenario import Arm, Ego, Environment, IntersectionNetwork, Scenario, SumoConfiguration, Vehicle
+from roadmend.world.scenario import Ego, Environment, Scenario
+from roadmend.world.scenario_actors import Vehicle
 from roadmend.world.scenario_file import parse_scenario
+from roadmend.world.scenario_networks import Arm, IntersectionNetwork, SumoConfiguration
 from roadmend.world.simulation import Simulation
 from roadmend.world.user_configuration import private_copy
 

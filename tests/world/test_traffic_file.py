@@ -8,7 +8,7 @@ from roadmend.core.errors import InputError
 from roadmend.world.families import sample_scenario
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
-from roadmend.world.scenario import Vehicle
+from roadmend.world.scenario_actors import Vehicle
 from roadmend.world.traffic_file import traffic_xml
 
 SCENARIO = sample_scenario("S3", 0)

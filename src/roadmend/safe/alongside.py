@@ -8,7 +8,7 @@ from roadmend.safe.dsl import SIDEWAYS, STANDING, CrashScenario, DescribedCollis
 from roadmend.safe.spots import GAP, Casting, Spot
 from roadmend.safe.staging import collision_between, goes_first
 from roadmend.safe.ways import Way
-from roadmend.world import scenario as world
+from roadmend.world import scenario_actors as world
 from roadmend.world.network import LANE_WIDTH
 from roadmend.world.space import Value
 

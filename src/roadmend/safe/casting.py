@@ -10,11 +10,12 @@ from roadmend.safe.own_lines import backwards_line, u_turn_line
 from roadmend.safe.spots import Casting, Spot, make_room
 from roadmend.safe.staging import Relation, relation_of
 from roadmend.safe.ways import Layout, Way, centre_line, chosen_lane
-from roadmend.world import scenario as world
+from roadmend.world import scenario_actors as world
 from roadmend.world.drivers import BODIES
 from roadmend.world.ego import GRAVITY
 from roadmend.world.network import LANE_WIDTH
 from roadmend.world.obstacle import Obstacle
+from roadmend.world.scenario import Ego
 from roadmend.world.space import Parameters
 
 KIND: dict[DslModel, str] = {
@@ -66,14 +67,14 @@ class MeetingStage:
             front = min(way.meeting, way.length - 1.0) - 2.0 * body.length - _BEHIND_WHO_WAITS
         self._ego_spot = Spot(way.route[0], self._lane(ego), front, body.length, speed)
 
-    def ego(self) -> world.Ego:
+    def ego(self) -> Ego:
         """The vehicle under test: on the way that the report's vehicle took."""
         spot, way = self._ego_spot, self._way(self._ego)
         body = BODIES[self._kind(self._ego)]
         last = centre_line(self._layout.network, way.route[-1:], 0)
         room = math.dist(last[0], last[-1]) - body.length
         after = {"mainline": _BEYOND}.get(way.route[-1], way.meeting + _BEYOND if len(way.route) == 1 else 45.0)
-        return world.Ego(
+        return Ego(
             route=list(way.route),
             lane=spot.lane,
             position=round(spot.front - 0.5 * spot.length, 2),

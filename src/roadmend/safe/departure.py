@@ -15,7 +15,7 @@ from roadmend.world.drivers import Body
 from roadmend.world.network import network_file
 from roadmend.world.obstacle import Obstacle, ObstacleKind
 from roadmend.world.road_network import RoadNetwork, read_network
-from roadmend.world.scenario import Network
+from roadmend.world.scenario_networks import Network
 from roadmend.world.steering import line_through
 
 Points = list[tuple[float, float]]

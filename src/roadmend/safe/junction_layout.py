@@ -11,7 +11,7 @@ from roadmend.safe.stated import control_of, median_of
 from roadmend.safe.ways import Layout, Way, lanes_each_way, limit_of
 from roadmend.world.network import network_file
 from roadmend.world.road_network import Lane, RoadNetwork, read_network
-from roadmend.world.scenario import Arm, IntersectionNetwork
+from roadmend.world.scenario_networks import Arm, IntersectionNetwork
 from roadmend.world.space import Parameters
 
 _ARM_LENGTH = 240.0  # [m]

@@ -10,7 +10,7 @@ from roadmend.safe.ways import MOST_LANES, Layout, Way, lanes_each_way, limit_of
 from roadmend.world.ego import GRAVITY
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
-from roadmend.world.scenario import OnRampNetwork, OpenRoadNetwork
+from roadmend.world.scenario_networks import OnRampNetwork, OpenRoadNetwork
 from roadmend.world.space import Parameters
 
 _ROAD_LENGTH = 600.0  # [m]

@@ -7,13 +7,14 @@ from roadmend.safe.departure import LEAVING, Departure, Struck, strike
 from roadmend.safe.dsl import CrashScenario, DescribedImpact, Side, StruckObject
 from roadmend.safe.spots import Spot
 from roadmend.safe.ways import Layout, centre_line, chosen_lane
-from roadmend.world import scenario as world
+from roadmend.world import scenario_actors as world
 from roadmend.world.drivers import BODIES
 from roadmend.world.ego import GRAVITY
 from roadmend.world.network import network_file
 from roadmend.world.obstacle import Obstacle
 from roadmend.world.road_network import read_network
-from roadmend.world.scenario import OpenRoadNetwork
+from roadmend.world.scenario import Ego
+from roadmend.world.scenario_networks import OpenRoadNetwork
 from roadmend.world.space import Parameters
 from roadmend.world.steering import line_through
 
@@ -57,7 +58,7 @@ class OnlookerStage:
         self._crash = self._strike()
         self._time = self._time_to_crash()
 
-    def ego(self) -> world.Ego:
+    def ego(self) -> Ego:
         """The vehicle under test, which takes no part in the crash."""
         return self._oncoming() if self._comes_the_other_way else self._following()
 
@@ -147,7 +148,7 @@ class OnlookerStage:
         front = self._crash.station + 0.5 * self._body.length - self._speed * self._time
         return Spot(self._way.route[0], self._lane, front, self._body.length, self._speed)
 
-    def _following(self) -> world.Ego:
+    def _following(self) -> Ego:
         ahead = self._spot()
         front = ahead.front - ahead.length - float(self._drawn["onlooker.gap"]) * self._speed
         position = max(front - 0.5 * _EGO.length, 0.5 * _EGO.length + 0.5)
@@ -157,7 +158,7 @@ class OnlookerStage:
         goal = self._crash.station + _PAST if len(self._way.route) == 1 else _BEYOND_A_JUNCTION
         return _ego(self._way.route, self._lane, position, speed, goal)
 
-    def _oncoming(self) -> world.Ego:
+    def _oncoming(self) -> Ego:
         edge = read_network(network_file(self._layout.network)).edges["backward"]
         lane = len(edge.car_lanes) - 1  # the one nearest to the other direction
         speed = min(self._speed, edge.car_lanes[lane].speed_limit)
@@ -166,8 +167,8 @@ class OnlookerStage:
         return _ego(("backward",), lane, max(place - speed * due, 0.5 * _EGO.length + 0.5), speed, place + _PAST)
 
 
-def _ego(route: tuple[str, ...], lane: int, position: float, speed: float, goal: float) -> world.Ego:
-    return world.Ego(
+def _ego(route: tuple[str, ...], lane: int, position: float, speed: float, goal: float) -> Ego:
+    return Ego(
         route=list(route),
         lane=lane,
         position=round(position, 2),

@@ -21,21 +21,20 @@ from roadmend.world.obstacle import Obstacle
 from roadmend.world.opendrive import write_opendrive
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import build_route
-from roadmend.world.scenario import (
+from roadmend.world.scenario import Environment, Scenario
+from roadmend.world.scenario_actors import (
     Brake,
     CutIn,
     Drift,
-    Environment,
     Follow,
     Heedless,
     Manoeuvre,
     Pedestrian,
     RunRightOfWay,
-    Scenario,
-    SumoConfiguration,
     Trigger,
     Vehicle,
 )
+from roadmend.world.scenario_networks import SumoConfiguration
 from roadmend.world.steering import line_through
 from roadmend.world.traffic_file import traffic_xml
 

@@ -7,15 +7,9 @@ import numpy as np
 
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
-from roadmend.world.scenario import (
-    Follow,
-    IntersectionNetwork,
-    Network,
-    OnRampNetwork,
-    OpenRoadNetwork,
-    Scenario,
-    Vehicle,
-)
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_actors import Follow, Vehicle
+from roadmend.world.scenario_networks import IntersectionNetwork, Network, OnRampNetwork, OpenRoadNetwork
 
 ACCESS_LENGTH = 60.0  # [m] up to which an arm is an access to a property and no road
 _AT_JUNCTION = 50.0  # [m] from a junction's middle within which a place belongs to it

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from roadmend.world import scenario as world
+from roadmend.world import scenario_actors as world
 
 GAP = 4.0  # [m] between bumpers at the start, at least
 

@@ -8,7 +8,7 @@ from roadmend.core.errors import InputError
 from roadmend.safe.dsl import CrashScenario, DescribedVehicle
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
-from roadmend.world.scenario import Network
+from roadmend.world.scenario_networks import Network
 from roadmend.world.space import Parameters
 
 MPH = 0.44704  # [m/s]

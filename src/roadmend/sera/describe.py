@@ -17,16 +17,9 @@ from roadmend.sera.descriptor import (
     outcome_name,
 )
 from roadmend.world.corpus import METHOD, Case, Corpus
-from roadmend.world.scenario import (
-    Actor,
-    HighwayExitNetwork,
-    IntersectionNetwork,
-    OnRampNetwork,
-    Pedestrian,
-    Scenario,
-    Trigger,
-    Vehicle,
-)
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_actors import Actor, Pedestrian, Trigger, Vehicle
+from roadmend.world.scenario_networks import HighwayExitNetwork, IntersectionNetwork, OnRampNetwork
 
 _ENTERING, _LEAVING = "_in", "_out"  # edges of an intersection's arm
 

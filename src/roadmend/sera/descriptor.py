@@ -8,7 +8,8 @@ from pydantic import ConfigDict, Field
 
 from roadmend.core.outcome import EventKind
 from roadmend.world.families import FamilyName
-from roadmend.world.scenario import DriverName, Scenario, VehicleKind, Weather
+from roadmend.world.scenario import Scenario, Weather
+from roadmend.world.scenario_actors import DriverName, VehicleKind
 
 RoadKind = Literal["intersection", "tee_junction", "highway_exit", "on_ramp", "road_network"]
 Control = Literal["priority", "right_before_left", "allway_stop", "traffic_light"]

@@ -5,7 +5,7 @@ from typing import Literal
 
 from roadmend.sera.descriptor import EgoManoeuvre, HazardKind, OutcomeName, ParticipantKind, Side
 from roadmend.sera.pattern import Where
-from roadmend.world.scenario import DriverName
+from roadmend.world.scenario_actors import DriverName
 
 IncidentKind = Literal["collision", "timeout", "off_route", "intervention"]
 PlaceKind = Literal[

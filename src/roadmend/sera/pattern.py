@@ -23,7 +23,8 @@ from roadmend.sera.descriptor import (
     Side,
 )
 from roadmend.world.families import FamilyName
-from roadmend.world.scenario import DriverName, Weather
+from roadmend.world.scenario import Weather
+from roadmend.world.scenario_actors import DriverName
 
 _STRICT = ConfigDict(extra="forbid")
 

@@ -4,7 +4,7 @@ import math
 
 import libsumo
 
-from roadmend.world.scenario import Drift, Follow
+from roadmend.world.scenario_actors import Drift, Follow
 from roadmend.world.steering import SteeredVehicle, line_through
 
 _QUINTIC = 10.0 / math.sqrt(3.0)  # largest second derivative of the quintic below

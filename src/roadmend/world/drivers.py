@@ -4,7 +4,8 @@ import random
 from dataclasses import dataclass
 
 from roadmend.core.scene import ObjectKind
-from roadmend.world.scenario import Environment, Vehicle
+from roadmend.world.scenario import Environment
+from roadmend.world.scenario_actors import Vehicle
 
 
 @dataclass(frozen=True, slots=True)

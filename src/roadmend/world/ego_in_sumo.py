@@ -5,7 +5,8 @@ import math
 import libsumo
 
 from roadmend.world.ego import RouteFollower
-from roadmend.world.scenario import Scenario, SumoConfiguration
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_networks import SumoConfiguration
 from roadmend.world.traffic_file import EGO
 
 _TYPE = "roadmend_ego"

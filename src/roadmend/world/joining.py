@@ -6,7 +6,8 @@ from roadmend.core.errors import InputError
 from roadmend.world.road_network import RoadNetwork
 from roadmend.world.route_builder import check_edge
 from roadmend.world.route_draw import draw_start
-from roadmend.world.scenario import Scenario, SumoConfiguration
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_networks import SumoConfiguration
 from roadmend.world.traffic_file import EGO
 
 _FREE_AHEAD = 15.0  # [m] between the ego's centre and the rear of whoever is ahead

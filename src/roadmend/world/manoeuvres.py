@@ -11,7 +11,8 @@ from roadmend.world.courtesy import Courtesy, set_deceleration
 from roadmend.world.drifting import Drifter, Follower
 from roadmend.world.ego import GRAVITY
 from roadmend.world.participants import Observation
-from roadmend.world.scenario import Brake, CutIn, Drift, Follow, Heedless, Manoeuvre, RunRightOfWay, Scenario, Vehicle
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_actors import Brake, CutIn, Drift, Follow, Heedless, Manoeuvre, RunRightOfWay, Vehicle
 from roadmend.world.steering import SteeredVehicle
 from roadmend.world.traffic_file import EGO
 

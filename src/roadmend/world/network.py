@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 
 from roadmend.core.errors import InputError, SimulationError
 from roadmend.core.resources import cache_folder
-from roadmend.world.scenario import (
+from roadmend.world.scenario_networks import (
     CENTRE,
     HighwayExitNetwork,
     IntersectionNetwork,

@@ -14,7 +14,8 @@ from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
 from roadmend.core.yaml_file import read_yaml
 from roadmend.world.lone_network import with_traffic
-from roadmend.world.scenario import NetworkFile, Scenario, SumoConfiguration
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_networks import NetworkFile, SumoConfiguration
 from roadmend.world.time_limit import time_for_route
 from roadmend.world.user_configuration import WANTED, configurations_in, content_of, network_of
 

@@ -33,7 +33,9 @@ from roadmend.world.network import network_file
 from roadmend.world.participants import Observation, Participants, Pose, all_vehicles
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import BuiltRoute, build_route
-from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_actors import Pedestrian
+from roadmend.world.scenario_networks import SumoConfiguration
 from roadmend.world.stand_off import StandOff
 from roadmend.world.traffic_file import EGO, traffic_xml
 from roadmend.world.user_configuration import private_copy

@@ -6,7 +6,8 @@ from roadmend.core.errors import InputError
 from roadmend.world.drivers import entry_speed, ignores_others, pedestrian_type, type_name, vehicle_type
 from roadmend.world.road_network import RoadNetwork
 from roadmend.world.route_builder import check_edge
-from roadmend.world.scenario import Pedestrian, Scenario, Vehicle
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_actors import Pedestrian, Vehicle
 
 EGO = "ego"
 

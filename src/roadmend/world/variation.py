@@ -6,7 +6,8 @@ from dataclasses import dataclass, fields
 import libsumo
 
 from roadmend.world.drivers import entry_speed
-from roadmend.world.scenario import Scenario, Vehicle
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_actors import Vehicle
 from roadmend.world.traffic_file import EGO
 
 _ASSERTIVENESS = "laneChangeModel.lcAssertive"

@@ -21,7 +21,8 @@ from roadmend.safe.cases import CrashCase, gather_cases
 from roadmend.safe.construction import draw_scenario, roles_of
 from roadmend.safe.dsl import DescribedRoadNetwork, RoadType
 from roadmend.safe.openscenario import export_scenario
-from roadmend.world.scenario import IntersectionNetwork, OpenRoadNetwork, Scenario
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_networks import IntersectionNetwork, OpenRoadNetwork
 
 _PACKAGES = {  # that a reader is in, by its name
     "ASAM OpenSCENARIO checker": "qc_openscenario",

@@ -30,7 +30,8 @@ from roadmend.sera.descriptor import (
 )
 from roadmend.world.families import FAMILIES, highway, intersection
 from roadmend.world.families.traffic import count_of
-from roadmend.world.scenario import DriverName, Environment, Weather
+from roadmend.world.scenario import Environment, Weather
+from roadmend.world.scenario_actors import DriverName
 from roadmend.world.space import Choice, Dimension, Uniform, Whole
 
 _BATCH = 500

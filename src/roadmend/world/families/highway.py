@@ -13,7 +13,9 @@ from roadmend.world.families.traffic import (
     manoeuvres,
     slot_manoeuvre,
 )
-from roadmend.world.scenario import Actor, Ego, HighwayExitNetwork, OnRampNetwork, Scenario, Vehicle
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_actors import Actor, Vehicle
+from roadmend.world.scenario_networks import HighwayExitNetwork, OnRampNetwork
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Whole
 
 VEHICLES = 28  # slots

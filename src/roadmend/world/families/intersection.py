@@ -14,7 +14,9 @@ from roadmend.world.families.traffic import (
     manoeuvres,
     slot_manoeuvre,
 )
-from roadmend.world.scenario import Actor, Arm, Ego, IntersectionNetwork, Pedestrian, Scenario, Vehicle
+from roadmend.world.scenario import Ego, Scenario
+from roadmend.world.scenario_actors import Actor, Pedestrian, Vehicle
+from roadmend.world.scenario_networks import Arm, IntersectionNetwork
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Whole
 
 VEHICLES = 22  # slots

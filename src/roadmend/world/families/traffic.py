@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from roadmend.world.drivers import BODIES
-from roadmend.world.scenario import Brake, CutIn, Environment, Manoeuvre, RunRightOfWay, Trigger
+from roadmend.world.scenario import Environment
+from roadmend.world.scenario_actors import Brake, CutIn, Manoeuvre, RunRightOfWay, Trigger
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform
 
 WEATHER: dict[str, Dimension] = {
