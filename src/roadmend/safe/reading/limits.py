@@ -228,9 +228,8 @@ def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: S
     told = after.cut(0, 5) if after.cut(0, 1).says({"for", "on", "along"}) else Words()
     kinds = [*filter(None, (_kind_of_road(told, at) for at in range(len(told))))]
     kinds = kinds or [*filter(None, (_kind_of_road(items, at) for at in range(place - 1, begin - 1, -1)))]
-    joined = len(set(kinds)) > 1 and Words(before[-_JOINED:]).says(
-        {"and"}
-    )  # "on the expressway, and on the ramp, is 50"
+    # "The limit on the expressway, and on the ramp, is 50": on neither alone.
+    joined = len(set(kinds)) > 1 and Words(before[-_JOINED:]).says({"and"})
     limit = replace(limit, kind=kinds[0] if kinds and not joined else "")
     for part in (after if after.cut(0, 2).says({"for", "on", "in", "along", "both"}) else Words(), before):
         if part.says({"both"}):

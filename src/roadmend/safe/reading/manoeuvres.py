@@ -93,6 +93,7 @@ def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
 
 
 def _enters_own_lane(words: Words) -> bool:
+    """Whether somebody came "into my lane", "into his lane"; who only drives "in my lane" is where he should be."""
     return any(each.is_a("own_lane") and words.at(at - 1).low in word_set("into") for at, each in enumerate(words))
 
 

@@ -64,7 +64,7 @@ class Referents:
     focus: Actor = NOBODY  # the last subject
     thing: tuple[int, ...] = ()  # the last one spoken of that is no person
     recent: list[int] = field(default_factory=list)
-    walks: bool = False
+    walks: bool = False  # whether somebody on foot or on a cycle was spoken of since the last driver
     is_road: bool = False  # whether the last thing that did something was a road
     genders: dict[int, str] = field(default_factory=dict)
 
