@@ -110,9 +110,8 @@ def _at_time_lost(content: Content) -> Table:
     note = (
         "The setting of the greatest ΔE among those that lose no more than the price, chosen on validation cases and "
         "random drives of their own; the figures are of the test cases and of the random drives of the table above. "
-        "The interval of ΔE draws searches; in rows kept from commit 89b444c it is Newcombe's over cases, of which those "
-        "that one search found are alike, and too narrow. ADReFT more: its ΔE at the same price less the method's, with "
-        "the paired bootstrap's interval over searches."
+        "The interval of ΔE draws searches. ADReFT more: its ΔE at the same price less the method's, with the paired "
+        "bootstrap's interval over searches."
     )
     return Table("What is fixed at a given loss of time", note, tuple(rows))
 
