@@ -199,8 +199,8 @@ ORDINARY = "./roadmend bench ordinary"
         "--networks 1 --drives 2",
         "--networks 2 --drives 3",
         "--curve-count 5 --curve-cases 10",
-        "--curve-count 10 --curve-cases 20",
-        "--curve-count 10 --curve-cases 10 --table-cases 3",
+        "--curve-count 60 --curve-cases 20",
+        "--curve-count 60 --curve-cases 10 --table-cases 3",
     ],
 )
 def test_what_was_measured_on_less_is_not_mixed_with_the_committed_figures(words):
@@ -214,7 +214,7 @@ def test_what_was_measured_on_less_is_not_mixed_with_the_committed_figures(words
     [
         "",
         "--networks 2 --drives 2",
-        "--curve-count 10 --curve-cases 10",
+        "--curve-count 60 --curve-cases 10",
         "--table-cases 3",
         "--sumocfg a.sumocfg --drives 9",
     ],
