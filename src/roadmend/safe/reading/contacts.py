@@ -81,7 +81,7 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
     between = next((actor.vehicles for lead, actor in clause.others if lead.low == "between"), ())
-    if len(between) == 2 and not me.vehicles:
+    if len(between) == 2 and not me.vehicles:  # "contact was made between V1 and V2"
         yield _contact(clause, between[0], between[1], None, None, _TOLD)
         return
     if clause.tail.cut(0, 4).says(word_set("own_things")) and not clause.is_passive:
@@ -95,8 +95,6 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     strikers, struck = me.vehicles, target.vehicles if target is not None else ()
     if clause.is_passive:
         strikers, struck, mine, theirs = struck, strikers, theirs, mine
-    if not strikers and len(struck) == 2:  # "a collision between V1 and V2"
-        strikers, struck = struck[:1], struck[1:]
     wielded = [actor for lead, actor in clause.others if lead.low == "with" and actor.part and actor.vehicles]
     if wielded and not clause.is_passive and wielded[0].vehicles != strikers and len(wielded[0].vehicles) == 1:
         strikers, mine = wielded[0].vehicles, wielded[0].part  # "she hit him with the front of the Ford": the Ford did

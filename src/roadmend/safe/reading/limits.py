@@ -32,7 +32,6 @@ _METRIC = re.compile(
 _REACH = 9  # words between "limit" and its number
 _FAR_REACH = 19  # where the number has a unit
 _LEAST = 5
-_JOINED = 6  # words before a number, in which "and" joins two roads that it is posted on
 _ROAD_REACH = 5  # words from "on" to the name of a road
 _LEADS_ROAD = ("determiner", "road", "bound", "compass", "descriptor")
 _ON_ROAD = frozenset({"", "travel", "approach", "stop", "emerge", "slow", "continue"})
@@ -228,9 +227,7 @@ def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: S
     told = after.cut(0, 5) if after.cut(0, 1).says({"for", "on", "along"}) else Words()
     kinds = [*filter(None, (_kind_of_road(told, at) for at in range(len(told))))]
     kinds = kinds or [*filter(None, (_kind_of_road(items, at) for at in range(place - 1, begin - 1, -1)))]
-    # "The limit on the expressway, and on the ramp, is 50": on neither alone.
-    joined = len(set(kinds)) > 1 and Words(before[-_JOINED:]).says({"and"})
-    limit = replace(limit, kind=kinds[0] if kinds and not joined else "")
+    limit = replace(limit, kind=kinds[0] if kinds else "")
     for part in (after if after.cut(0, 2).says({"for", "on", "in", "along", "both"}) else Words(), before):
         if part.says({"both"}):
             return limit
@@ -315,10 +312,9 @@ def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
     found: dict[int, set[str]] = {}
     for clause in text.clauses:
         words = clause.words
-        leads = {place for place, item in enumerate(words) if item.low in word_set("by_road")}
-        if clause.kind == "travel" and clause.lemma == "be":
-            leads.add(len(clause.head) - 1)  # "was on Oak Street": the verb took its "on" along
-        for place in sorted(leads) if clause.kind in _ON_ROAD else ():
+        for place, item in enumerate(words if clause.kind in _ON_ROAD else ()):
+            if item.low not in word_set("by_road"):
+                continue
             for at in range(place + 1, min(place + _ROAD_REACH, len(words))):
                 after, number, kind = words[at], _is_road_number(words, at), _kind_of_road(words, at)
                 if kind:
@@ -327,7 +323,7 @@ def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
                 if number or ((after.is_name or after.is_a("ordinal")) and after.low not in word_set("weekdays")):
                     for vehicle in clause.subject.vehicles:
                         found.setdefault(vehicle, set()).add(_name(after))
-                goes_on = after.is_name or after.is_a("ordinal", *_LEADS_ROAD) or words.at(at + 1).is_a("road")
-                if number or not goes_on:
+                leads = after.is_name or after.is_a("ordinal", *_LEADS_ROAD) or words.at(at + 1).is_a("road")
+                if number or not leads:
                     break
     return found

@@ -306,7 +306,7 @@ class _SentenceReader:
         if self.tree.has(at, "dobj", "obj"):
             return False  # "and struck him": what is done to somebody else
         reduced = self.tree[at].relation == "acl" and verb is not None and verb.form in {"both", "participle"}
-        if reduced and verb is not None and verb.kind != "collide" and not self._has_object(at):
+        if reduced:
             return True
         after = self.items.at(at + 1)
         by = verb is not None and verb.kind in STRIKES and after.low == "by"
@@ -314,11 +314,6 @@ class _SentenceReader:
         up = self.tree[at].head
         shared = conj and up in self.made and self.made[up].is_passive and not self.tree.has(at, *SUBJECTS, "aux")
         return by or shared
-
-    def _has_object(self, at: int) -> bool:
-        """Whether somebody is named right behind a verb without a preposition: what is done to its subject has no object."""
-        after = self._group(at + 1)
-        return after is not None and after.first == at + 1
 
     def _is_denied(self, at: int) -> bool:
         verb, near = self.items[at].verb, self.items.cut(at - 3, at)

@@ -130,14 +130,6 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
         if bare and kind in _BEHIND:
             yield relation(mine, other, WayRelation.SAME, 0.75, item)
-        if (
-            item.is_a("own_lane")
-            and item.low.endswith("lane")
-            and words.at(place - 1).low in word_set("into")
-            and kind != "change_lane"
-        ):
-            kept = kind in {"stop", "park", "slow"}
-            yield relation(mine, other, WayRelation.SAME if kept else WayRelation.OPPOSITE, 0.62, item)
         if item.is_a("wrong") and words.cut(place - 2, place).says({"from"}):
             yield relation(mine, other, WayRelation.OPPOSITE, 0.8, item)
         if item.is_a("same_way") and "lane" not in item.low:
