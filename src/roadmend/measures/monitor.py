@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.measures.intervals import bootstrap
+from roadmend.measures.intervals import bootstrap, by_group
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -47,23 +47,28 @@ class Confusion:
         return asdict(self)
 
 
-def summarise_monitor(episodes: Sequence[Confusion]) -> dict[str, Any]:
+def summarise_monitor(episodes: Sequence[Confusion], groups: Sequence[str]) -> dict[str, Any]:
     """Precision, recall and F1 in percent over all frames of all episodes pooled, with intervals.
 
-    The intervals are of the bootstrap over episodes, since frames of one episode are anything but independent.
+    The intervals are of the bootstrap over groups, since frames of one episode, and episodes of one search, are anything
+    but independent; None where there is one group.
+
+    Args:
+        episodes: counted.
+        groups: of each episode: the search that found it.
     """
     table = np.array(
         [(episode.hits, episode.false_alarms, episode.misses) for episode in episodes], dtype=np.float64
     ).reshape(-1, 3)
-    whole = table.sum(axis=0, keepdims=True)
+    whole, sums = table.sum(axis=0, keepdims=True), by_group(table, groups)
     figures: dict[str, Any] = {"episodes": len(episodes), "frames": sum(_frames(episode) for episode in episodes)}
     figures["critical_frames"] = int(whole[0, 0] + whole[0, 2])
     intervals = {}
     for name, measure in (("precision", _precision), ("recall", _recall), ("f1", _f1)):
         value = float(measure((whole,))[0])
         figures[name] = value if np.isfinite(value) else None
-        low, high = bootstrap((table,), measure)
-        intervals[name] = [low, high] if np.isfinite(low) else None
+        low, high = bootstrap((sums,), measure)
+        intervals[name] = [low, high] if np.isfinite(low) and len(sums) > 1 else None
     return figures | {"intervals": intervals}
 
 

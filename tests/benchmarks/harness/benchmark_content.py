@@ -11,6 +11,7 @@ from harness.paper_figures import PAPER
 from roadmend.measures.case_result import CaseResult
 from roadmend.measures.monitor import summarise_monitor
 from roadmend.measures.repair import advantage, share_of_bound, summarise
+from roadmend.world.case_name import search_of
 from roadmend.world.families import FAMILIES
 
 FORMAT = "roadmend-repair-benchmark/1"
@@ -50,7 +51,10 @@ def build_content(measured: Sequence[Measured], made: Mapping[str, Any], setting
             family: {each.benchmark.policy: _family(each, family) for each in measured} for family in families
         },
         "monitor": {
-            each.benchmark.policy: {name: summarise_monitor(episodes) for name, episodes in each.confusions.items()}
+            each.benchmark.policy: {
+                name: summarise_monitor(episodes, [search_of(case.name) for case in each.benchmark.cases])
+                for name, episodes in each.confusions.items()
+            }
             for each in measured
         },
         "cost": {},
