@@ -191,11 +191,17 @@ def test_ordinary_drives_of_another_number_or_end_are_no_company(count, collisio
 ORDINARY = "./roadmend bench ordinary"
 
 
+def test_needs_that_were_told_by_more_futures_are_not_mixed():
+    before = {"provenance": {"command": f"{ORDINARY} --futures 10", "commit": "0" * 12}}
+    check_sizes(f"{ORDINARY} --methods rss --keep", before)
+    with pytest.raises(InputError, match="--keep: the committed figures are of --futures 10, not 5"):
+        check_sizes(f"{ORDINARY} --methods rss --futures 5 --keep", before)
+
+
 @pytest.mark.parametrize(
     "words",
     [
         "--count 20",
-        "--futures 5",
         "--networks 1 --drives 2",
         "--networks 2 --drives 3",
         "--curve-count 5 --curve-cases 10",
@@ -217,6 +223,7 @@ def test_what_was_measured_on_less_is_not_mixed_with_the_committed_figures(words
         "--curve-count 60 --curve-cases 10",
         "--table-cases 3",
         "--sumocfg a.sumocfg --drives 9",
+        "--futures 5",
     ],
 )
 def test_the_committed_figures_can_be_kept_beside_as_much_and_beside_what_they_have_not(words):

@@ -41,6 +41,7 @@ def test_figures_by_hand():
     assert found.needless_dose_per_hour == pytest.approx(0.2 / (102.0 / 3600.0))
     assert found.needless_dose_per_km == pytest.approx(0.2 / 0.8)
     assert found.spells_per_km == pytest.approx(3.0 / 0.8)
+    assert found.spells_needed == pytest.approx(100.0 / 3.0)
     assert (found.collisions_bare, found.collisions, found.new_collisions) == (1, 0, 0)
 
 
@@ -54,7 +55,17 @@ def test_a_collision_that_the_policy_alone_does_not_have_is_new_only_by_the_egos
 def test_without_the_need_of_a_spell_nobody_knows_what_was_needless():
     found = ordinary_figures([(drive(), drive(spells=[spell(1.0, 1, 0.05, 0.0), spell(2.0, 1, 0.05)]))])
     assert found.needless_dose_per_hour is None
+    assert found.spells_needed is None
     assert found.spells_per_km == pytest.approx(10.0)
+
+
+def test_interventions_of_drives_that_go_wrong_count_among_the_needed():
+    crash = drive("COLLISION", blame=Blame.FRONT)
+    found = ordinary_figures(
+        [(drive(), drive(spells=[spell(1.0, 1, 0.05, 0.1)])), (crash, drive(spells=[spell(1.0, 1, 0.05, 0.2)]))]
+    )
+    assert (found.drives, found.spells_needed) == (1, pytest.approx(50.0))
+    assert ordinary_figures([(drive(), drive())]).spells_needed is None
 
 
 def test_who_collides_early_wins_no_time_by_it():

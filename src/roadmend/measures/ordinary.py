@@ -10,7 +10,7 @@ from statistics import fmean, median
 
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.outcome import EventKind
-from roadmend.measures.need_verdict import NEEDLESS
+from roadmend.measures.need_verdict import NEEDLESS, RESCUE
 
 TOUCH = 0.2  # [s] of full command from which a drive counts as touched
 _WHOLE = (EventKind.GOAL, EventKind.TIMEOUT)  # ends of drives whose time and way can be compared
@@ -30,6 +30,7 @@ class OrdinaryFigures:
     )  # [s/h] in spells whose need is below NEEDLESS; None where it was not looked at
     needless_dose_per_km: float | None  # [s/km]
     spells_per_km: float | None
+    spells_needed: float | None  # [%] of the spells of all drives whose need is RESCUE or more; None: not looked at
     mean_jerk: float | None  # [m/s3]
     collisions_bare: int  # of all drives, by the ego's own fault, the policy left alone
     collisions: int  # likewise, with the method
@@ -48,6 +49,7 @@ def ordinary_figures(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> Or
     hours = sum(own.duration for _, own in calm) / 3600.0
     kilometres = sum(own.distance for _, own in calm) / 1000.0
     spells = [spell for _, own in calm for spell in own.spells]
+    needs = [spell.need for _, own in pairs for spell in own.spells]
     needless: float | None = None
     if all(spell.need is not None for spell in spells):
         needless = sum(spell.dose for spell in spells if spell.need is not None and spell.need < NEEDLESS)
@@ -60,6 +62,7 @@ def ordinary_figures(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> Or
         None if needless is None or not hours else needless / hours,
         None if needless is None or not kilometres else needless / kilometres,
         len(spells) / kilometres if kilometres else None,
+        None if None in needs else _percent([need >= RESCUE for need in needs if need is not None]),
         fmean(own.mean_jerk for _, own in calm) if calm else None,
         sum(bare.final.at_fault for bare, _ in pairs),
         sum(own.final.at_fault for _, own in pairs),

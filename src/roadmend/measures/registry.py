@@ -136,6 +136,13 @@ MEASURES: dict[str, Measure] = {
                 itemgetter("needless_dose_per_hour"),
             ),
             Column(
+                "needed",
+                "%",
+                "higher",
+                "interventions, those of all drives, of which at least one future in five violates (with --futures)",
+                itemgetter("spells_needed"),
+            ),
+            Column(
                 "new", "", "lower", "collisions of the ego's own fault in these", itemgetter("new_collisions"), digits=0
             ),
         ),

@@ -152,7 +152,9 @@ def check_sizes(command: str, before: Mapping[str, Any]) -> None:
 def _sizes(command: str) -> dict[str, str]:
     """By option, how much a command measured of what it measured at all."""
     given = dict(_SIZES.findall(command))
-    found = {name: given.get(name, default) for name, default in (("count", "200"), ("futures", "0"))}
+    found = {"count": given.get("count", "200")}
+    if "futures" in given:  # they change no drive: rows whose need was not looked at may stand beside others
+        found["futures"] = given["futures"]
     if "networks" in given:
         found |= {name: given[name] for name in ("networks", "drives")}
     if "curve-count" in given:

@@ -26,6 +26,7 @@ def _ordinary(content: Content, name: str) -> Table:
             "median [%]",
             "distance lost [%]",
             "needless [s/h]",
+            "needed [%]",
             "spells [1/km]",
             "jerk [m/s³]",
             "collisions alone",
@@ -48,6 +49,7 @@ def _ordinary(content: Content, name: str) -> Table:
                     number(figures["time_lost_median"], 2),
                     number(figures["distance_lost"], 2),
                     number(figures["needless_dose_per_hour"], 2),
+                    number(figures.get("spells_needed")),
                     number(figures["spells_per_km"], 2),
                     number(figures["mean_jerk"], 2),
                     str(figures["collisions_bare"]),
@@ -60,7 +62,8 @@ def _ordinary(content: Content, name: str) -> Table:
         "Drives in which the policy alone does not collide by its own fault. Untouched: no lane change is held back, and changed by less than 0.2 s of "
         "full command. Time lost: mean and median over those that the policy alone brings to the goal; distance lost: "
         "over those that the time limit ends. Needless: dose in interventions of which fewer than one future in ten "
-        "violates. Collisions by the ego's own fault, of all drives; new: where the policy alone has none. Cut short: drives "
+        "violates; needed: interventions, those of all drives, of which at least one in five does; a dash where that was "
+        "not looked at. Collisions by the ego's own fault, of all drives; new: where the policy alone has none. Cut short: drives "
         "that alone go on to the goal or the time limit and with repair end before, in nobody's loss of time. Whosever "
         "fault: all collisions, those of a standing ego that others drive into among them; a dash where a row is of a "
         "run that did not count them."
