@@ -170,6 +170,34 @@ def test_of_prices_that_are_kept_no_lead_is_told():
     assert content["provenance"]["kept"][0]["methods"] == ["rule", "adreft"]
 
 
+def test_prices_of_which_none_is_measured_anew_are_kept_whole_and_named():
+    lead = {"delta_e": 5.0, "interval": [1.0, 9.0]}
+    earlier = {"commit": "4" * 16, "command": "./roadmend bench ordinary --methods rule --keep", "methods": ["rule"]}
+    before = {
+        "provenance": {**MADE, "kept": [earlier]},
+        "ordinary": {"random": {"modular": {"none": drives(1), "rule": drives(2), "adreft": drives(3)}}},
+        "curve": {"modular": {"rule": [1], "adreft": [2]}},
+        "at_time_lost": {"modular": {"rule": {"1": {"setting": "a", "lead": lead}}}},
+    }
+    fresh = {name: drives(value, 5) for value, name in enumerate(["none", "rule", "adreft"], 4)}
+    content = {
+        "provenance": dict(LATER),
+        "ordinary": {"random": {"modular": dict(fresh)}},
+        "curve": {},
+        "at_time_lost": {},
+    }
+    check_sizes(f"{ORDINARY} --count 5 --networks 9 --drives 9 --keep", before, is_whole=True)
+    with pytest.raises(InputError, match="--count 200, not 5"):
+        check_sizes(f"{ORDINARY} --count 5 --keep", before)
+    keep_ordinary(content, before, ORDER)
+    assert content["ordinary"] == {"random": {"modular": fresh}}
+    assert (content["curve"], content["at_time_lost"]) == (before["curve"], before["at_time_lost"])
+    assert [(entry["commit"], entry["methods"]) for entry in content["provenance"]["kept"]] == [
+        (MADE["commit"], ["what is fixed at a given loss of time"]),
+        (earlier["commit"], ["rule"]),
+    ]
+
+
 @pytest.mark.parametrize(("count", "collisions"), [(98, 21), (979, 20)])
 def test_ordinary_drives_of_another_number_or_end_are_no_company(count, collisions):
     before = {

@@ -149,7 +149,9 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
     names = listed_names(given.methods, plan.ordinary, plan.methods, "--methods")
     before = read_json(given.committed / f"{STEM}.json") if given.keep else None
     if before is not None:  # before hours of driving, not after them
-        check_sizes(_command(given), before)
+        rows = before["ordinary"].get(RANDOM, {})
+        is_whole = {*rows} <= {*policies} and {name for each in rows.values() for name in each} <= {"none", *names}
+        check_sizes(_command(given), before, is_whole=is_whole)
     work = given.work or cache_folder() / "benchmarks" / "ordinary"
     content: dict[str, Any] = {
         "format": FORMAT,

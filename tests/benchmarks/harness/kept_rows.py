@@ -15,6 +15,8 @@ from roadmend.core.tick import INTERVAL
 from roadmend.measures.repair import PairedCase, advantage_of, intervals_of
 
 Content = dict[str, Any]
+_OF_PRICES = ("curve-count", "curve-cases", "table-cases")
+_PRICES = "what is fixed at a given loss of time"
 _SIZES = re.compile(r"--(count|networks|drives|futures|curve-count|curve-cases|table-cases) (\d+)")
 
 
@@ -135,13 +137,18 @@ def keep_cost(cost: Content, before: Mapping[str, Any], order: Sequence[str]) ->
     return _ordered({name: found for name, found in {**before, **cost}.items() if name in names}, names)
 
 
-def check_sizes(command: str, before: Mapping[str, Any]) -> None:
+def check_sizes(command: str, before: Mapping[str, Any], *, is_whole: bool = False) -> None:
     """Whether a command measures ordinary drives and prices on as much as those did that made the earlier figures.
+
+    Args:
+        command: as it was given.
+        before: the earlier figures.
+        is_whole: whether it measures every method of every policy, so that only prices are kept, if any.
 
     Raises:
         InputError: it does not.
     """
-    own = _sizes(command)
+    own = {name: size for name, size in _sizes(command).items() if not is_whole or name in _OF_PRICES}
     for made in (before["provenance"], *before["provenance"].get("kept", ())):
         for name, size in _sizes(made["command"]).items():
             if own.get(name, size) != size:
@@ -158,15 +165,15 @@ def _sizes(command: str) -> dict[str, str]:
     if "networks" in given:
         found |= {name: given[name] for name in ("networks", "drives")}
     if "curve-count" in given:
-        found |= {name: given.get(name, "all") for name in ("curve-count", "curve-cases", "table-cases")}
+        found |= {name: given.get(name, "all") for name in _OF_PRICES}
     return found
 
 
 def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
     """Add to what ordinary drives and prices came to what an earlier measurement has besides.
 
-    By how much ADReFT leads at a price is known only where both were driven together: of what is kept it is not told.
-    Methods that are not in ``order`` are dropped.
+    By how much ADReFT leads at a price is known only where both were driven together: beside a price that was measured
+    anew it is not told of what is kept. Methods that are not in ``order`` are dropped.
 
     Raises:
         InputError: the two are not of the same drives.
@@ -181,11 +188,19 @@ def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[s
     for name, policies in before["ordinary"].items():
         for policy, old in policies.items():
             fresh = content["ordinary"].setdefault(name, {})
-            rows = [*fresh.get(policy, {}).values(), *old.values()]
+            rows = {**old, **fresh.get(policy, {})}.values()
             if len({(row["drives"], row["collisions_bare"]) for row in rows}) > 1:
                 mend = "give the same drives, or measure all methods again, without --keep"
                 raise InputError("--keep", f"the committed figures of {policy} on {name} are of other drives", mend)
             take(fresh, policy, old)
+    if before["at_time_lost"] and not content["at_time_lost"]:
+        content["curve"], content["at_time_lost"] = before["curve"], before["at_time_lost"]
+        # who was kept before may have been so among the prices, and is not told apart
+        former = [name for entry in before["provenance"].get("kept", ()) for name in entry["methods"]]
+        kept.note(
+            content, before, order, more=[_PRICES, *(name for name in former if name not in (*kept.names, _PRICES))]
+        )
+        return
     for policy, old in before["curve"].items():
         take(content["curve"], policy, old)
     for policy, old in before["at_time_lost"].items():
