@@ -340,11 +340,12 @@ def test_searches_that_were_not_run_are_kept_if_they_were_as_long():
         keep_robustness(study_of(LATER, budget=50, adreft=3), study_of(none=9), ORDER)
 
 
-@pytest.mark.parametrize("stem", ["adreft", "adreft-fresh-20263"])
+@pytest.mark.parametrize("stem", ["adreft", "adreft-fresh-20264"])
 def test_the_committed_intervals_are_those_of_the_committed_cases(stem):
     content, cases = read_json(PLANS / f"{stem}.json"), read_json(PLANS / f"{stem}-cases.json")
     for policy, table in cases.items():
         for method in table["methods"]:
             told = content["summary"][policy][method]["intervals"]
             found = intervals_of(paired_cases(table, method))
-            assert {name: pytest.approx(each) for name, each in told.items()} == found, (policy, method)
+            # the cases' doses are rounded in their file; measured intervals are of the whole ones
+            assert {name: pytest.approx(each, rel=1e-4) for name, each in told.items()} == found, (policy, method)
