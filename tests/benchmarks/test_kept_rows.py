@@ -348,4 +348,5 @@ def test_the_committed_intervals_are_those_of_the_committed_cases(stem):
             told = content["summary"][policy][method]["intervals"]
             found = intervals_of(paired_cases(table, method))
             # the cases' doses are rounded in their file; measured intervals are of the whole ones
-            assert {name: pytest.approx(each, rel=1e-4) for name, each in told.items()} == found, (policy, method)
+            near = {name: each and pytest.approx(each, rel=1e-4) for name, each in told.items()}
+            assert near == found, (policy, method)
