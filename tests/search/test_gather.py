@@ -248,11 +248,6 @@ def test_fresh_numbers_out_of_range_are_refused(seed, cases):
         fresh_plan(seed, cases)
 
 
-@pytest.mark.parametrize(("cases", "most"), [(40, 12), (20, 6), (80, 24), (1, 1)])
-def test_one_search_makes_no_more_of_a_fresh_set_than_of_the_corpora(cases, most):
-    assert fresh_plan(7, cases).test.most_per_campaign == most
-
-
 def test_the_file_holds_the_defaults():
     assert read_corpus_plan(CONFIG) == CorpusPlan() == read_corpus_plan(None)
     assert [*yaml.safe_load(CONFIG.read_text())] == [*CorpusPlan.model_fields]

@@ -146,9 +146,6 @@ def fresh_plan(seed: int, cases: int) -> CorpusPlan:
     default = CorpusPlan()
     nothing = {"violations": 0, "successes": 0}
     own = {"violations": cases, "successes": cases, "first_seed": FRESH_SEED + FRESH_STRIDE * seed}
-    most = default.test.most_per_campaign
-    if most is not None:  # the same share of a smaller set, else it is of so few searches that one of them decides it
-        own["most_per_campaign"] = max(1, round(most * cases / default.test.violations))
     return CorpusPlan(
         test=default.test.model_copy(update=own),
         validation=default.validation.model_copy(update=nothing),
