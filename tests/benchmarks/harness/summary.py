@@ -40,15 +40,7 @@ def _repair(content: Mapping[str, Any], cases: Mapping[str, Any]) -> Iterator[li
         shown = [("adreft", "ΔE of"), ("always_needed", "ΔE of")]
         shown.append((max(_RIVALS, key=lambda rival: methods[rival]["delta_e"]), "best rival,"))
         for name, title in shown:
-            found = methods[name]
-            figure = f"{found['delta_e']:.1f} at a dose of {found['dose']:.1f} s"
-            yield [
-                f"{title} {content['titles'][name]['title']}",
-                where,
-                figure,
-                _span(found["intervals"]["delta_e"]),
-                _MORE,
-            ]
+            yield _own(f"{title} {content['titles'][name]['title']}", where, methods[name])
             where = "the same"
         lead = methods["gated"]["adreft_minus_this"]
         figure = f"{lead['delta_e']:+.1f}"
@@ -69,16 +61,17 @@ def _repair(content: Mapping[str, Any], cases: Mapping[str, Any]) -> Iterator[li
 def _fresh(content: Mapping[str, Any]) -> Iterator[list[str]]:
     """The test cases were looked at at every step of the way, those of a fresh seed never."""
     for policy, methods in content["summary"].items():
-        own = methods["adreft"]
+        own = methods.get("adreft")
+        if own is None:  # a fresh set may be of rivals alone
+            continue
         where = f"{policy} policy, {own['violations']} violations, {own['successes']} successes of a fresh seed"
-        figure = f"{own['delta_e']:.1f} at a dose of {own['dose']:.1f} s"
-        yield [
-            f"ΔE of {content['titles']['adreft']['title']}",
-            where,
-            figure,
-            _span(own["intervals"]["delta_e"]),
-            _MORE,
-        ]
+        yield _own(f"ΔE of {content['titles']['adreft']['title']}", where, own)
+
+
+def _own(what: str, where: str, found: Mapping[str, Any]) -> list[str]:
+    """The row of a method's ΔE."""
+    figure = f"{found['delta_e']:.1f} at a dose of {found['dose']:.1f} s"
+    return [what, where, figure, _span(found["intervals"]["delta_e"]), _MORE]
 
 
 def _ordinary(content: Mapping[str, Any]) -> Iterator[list[str]]:
